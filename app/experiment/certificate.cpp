@@ -251,13 +251,16 @@ std::vector<Loop> loops_of(const Experiment& experiment) {
   return loops;
 }
 
-Certificate::Delay smallest_delay_margin(const std::vector<Loop>& loops, double period, const std::stop_token& stop) {
+/// Of the loop with the smallest margin, also which one that is; the first where none has a margin.
+Certificate::Delay smallest_delay_margin(const std::vector<Loop>& loops, double period, const std::stop_token& stop,
+                                         std::size_t& which) {
   Certificate::Delay least;
   least.margin = {infinite, true};
-  for (const Loop& loop : loops) {
-    if (stop.stop_requested()) return least;
+  which = 0;
+  for (std::size_t k = 0; k < loops.size() && !stop.stop_requested(); ++k) {
+    const Loop& loop = loops[k];
     const core::DelayMargin margin = core::delay_margin(loop.gains, loop.robot, loop.reference, period);
-    if (margin.delay < least.margin.delay) least = {margin, loop.t, loop.robot};
+    if (margin.delay < least.margin.delay) least = {margin, loop.t, loop.robot}, which = k;
   }
   return least;
 }
@@ -354,21 +357,21 @@ Certificate certify(const Experiment& experiment, const std::stop_token& stop) {
   }
   certificate.theorem = cases.found(reference->smooth());
   const std::vector<Loop> loops = loops_of(experiment);
-  certificate.delay = smallest_delay_margin(loops, experiment.period(), stop);
+  std::size_t which = 0;
+  certificate.delay = smallest_delay_margin(loops, experiment.period(), stop, which);
   if (!certificate.delay.margin.unbounded) {
+    const Loop& loop = loops[which];
     const double beyond = 1.1 * certificate.delay.margin.delay;
-    for (const double delay : {beyond, std::max(0.1, 2.0 * beyond), std::max(0.2, 4.0 * beyond)}) {
-      Certificate::Swing& swing = certificate.swings.emplace_back(Certificate::Swing{delay, 0.0});
-      for (const Loop& loop : loops)
-        if (!stop.stop_requested())
-          swing.size = std::max(swing.size, core::swing(loop.gains, loop.reference, experiment.period(), delay));
-    }
+    for (const double delay : {beyond, std::max(0.1, 2.0 * beyond), std::max(0.2, 4.0 * beyond)})
+      certificate.swings.push_back(
+          {delay, core::swing(loop.gains, loop.robot, loop.reference, experiment.period(), delay)});
   }
   return certificate;
 }
 
 Certificate::Delay smallest_delay_margin(const Experiment& experiment, const std::stop_token& stop) {
-  return smallest_delay_margin(loops_of(experiment), experiment.period(), stop);
+  std::size_t which = 0;
+  return smallest_delay_margin(loops_of(experiment), experiment.period(), stop, which);
 }
 
 std::string as_lines(const Certificate& certificate) {

@@ -53,10 +53,10 @@ struct Certificate {
     double t = 0.0;  ///< where along the reference [s]
     std::size_t robot = 0;
   };
-  /// How far robots swing at a delay beyond the margin, if nothing predicts their poses.
+  /// How far the robot of the smallest margin swings there at a longer delay, if nothing predicts its pose.
   struct Swing {
     double delay = 0.0;  ///< [s]
-    double size = 0.0;   ///< largest distance of any from its place [m]
+    double size = 0.0;   ///< largest distance from its place, couplings aside [m]
   };
   std::vector<Robot> robots;
   Theorem theorem;

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
-#include <vector>
 
 #include "core/control/coordination_law.h"
 #include "core/kinematics/unicycle.h"
@@ -92,31 +91,33 @@ DelayMargin delay_margin(const Gains& gains, std::size_t i, const Twist& referen
   return {low, false};
 }
 
-double swing(const Gains& gains, const Twist& reference, double period, double delay) {
+double swing(const Gains& gains, std::size_t i, const Twist& reference, double period, double delay) {
   constexpr double beside = 0.01, turned = 0.1, lasts = 120.0;  // [m], [rad], [s]
-  const std::size_t n = gains.robots();
+  Gains own = paper_gains(1);
+  own.saturation = gains.saturation;
+  own.k_y = gains.k_y;
+  own.k = gains.k;
+  own.k_x = {gains.k_x[i]};
+  own.c_x = {gains.c_x[i]};
+  own.k_theta = {gains.k_theta[i]};
+  own.c_theta = {gains.c_theta[i]};
+
+  Pose robot{beside, 0.0, turned}, place{};
   const int whole = static_cast<int>(std::floor(delay / period));
   const double rest = delay - whole * period;  // so long does the command before still act
-  const std::vector<Twist> references(n, reference);
-  std::deque<std::vector<Twist>> on_their_way(static_cast<std::size_t>(whole) + 1, references);
-  std::vector<Pose> robots(n);
-  for (std::size_t i = 0; i < n; ++i) robots[i] = {i % 2 == 0 ? beside : -beside, 0.0, i % 3 == 0 ? turned : -turned};
-  Pose place{};  // each robot beside its own: distances between places do not enter the law
-  std::vector<TrackingError> errors(n);
-  std::vector<Twist> commands(n);
+  std::deque<Twist> on_their_way(static_cast<std::size_t>(whole) + 1, reference);
   const int ticks = static_cast<int>(lasts / period);
   double largest = 0.0;
   for (int k = 0; k < ticks; ++k) {
-    for (std::size_t i = 0; i < n; ++i) errors[i] = tracking_error(place, robots[i]);
-    coordination_law(gains, errors, references, commands);
-    on_their_way.push_back(commands);
-    place = advance(place, reference, period);
-    for (std::size_t i = 0; i < n; ++i) {
-      robots[i] = advance(robots[i], on_their_way[0][i], rest);
-      robots[i] = advance(robots[i], on_their_way[1][i], period - rest);
-      if (k >= ticks - ticks / 4) largest = std::max(largest, distance(robots[i], place));
-    }
+    const TrackingError error = tracking_error(place, robot);
+    Twist command;
+    coordination_law(own, {&error, 1}, {&reference, 1}, {&command, 1});
+    on_their_way.push_back(command);
+    robot = advance(robot, on_their_way.front(), rest);
     on_their_way.pop_front();
+    robot = advance(robot, on_their_way.front(), period - rest);
+    place = advance(place, reference, period);
+    if (k >= ticks - ticks / 4) largest = std::max(largest, distance(robot, place));
   }
   return largest;
 }
