@@ -203,20 +203,19 @@ std::vector<core::Gains> all_gains(const Experiment& experiment) {
   return all;
 }
 
-/// A robot's loop somewhere along its reference, with one of the experiment's gains.
-struct Loop {
-  core::Gains gains;
-  core::Twist reference;
-  double t;  // [s]
-  std::size_t robot;
+/// The loop with the smallest delay margin: of which robot, where along its reference, with which gains.
+struct WeakestLoop {
+  Certificate::Delay delay;
+  core::Gains gains{};
+  core::Twist reference{};
 };
 
-/// Of every robot the straightest, the tightest and the fastest piece, once each: they are mostly the same for all.
-std::vector<Loop> loops_of(const Experiment& experiment) {
+WeakestLoop weakest_loop(const Experiment& experiment, const std::stop_token& stop) {
   constexpr int samples = 500;
   const std::unique_ptr<const core::Reference> reference = make_reference(experiment);
   const std::size_t n = experiment.robots.size();
 
+  // Of every robot the straightest, the tightest and the fastest piece, once each: they are mostly the same for all.
   struct Place {
     core::Twist twist;
     double t;
@@ -242,27 +241,26 @@ std::vector<Loop> loops_of(const Experiment& experiment) {
     }
     for (const Place& place : {straight, tight, fast}) add(place);
   }
-  std::vector<Loop> loops;
-  for (const core::Gains& gains : all_gains(experiment))
+  WeakestLoop least;
+  least.delay.margin = {infinite, true};
+  for (core::Gains& gains : all_gains(experiment))
     for (const Place& place : places) {
-      Loop& loop = loops.emplace_back(Loop{gains, place.twist, place.t, place.robot});
-      core::use_policy(loop.gains, std::vector<core::Twist>(n, place.twist));
+      if (stop.stop_requested()) return least;
+      core::use_policy(gains, std::vector<core::Twist>(n, place.twist));
+      const core::DelayMargin margin = core::delay_margin(gains, place.robot, place.twist, experiment.period());
+      if (margin.delay < least.delay.margin.delay) least = {{margin, place.t, place.robot}, gains, place.twist};
     }
-  return loops;
+  return least;
 }
 
-/// Of the loop with the smallest margin, also which one that is; the first where none has a margin.
-Certificate::Delay smallest_delay_margin(const std::vector<Loop>& loops, double period, const std::stop_token& stop,
-                                         std::size_t& which) {
-  Certificate::Delay least;
-  least.margin = {infinite, true};
-  which = 0;
-  for (std::size_t k = 0; k < loops.size() && !stop.stop_requested(); ++k) {
-    const Loop& loop = loops[k];
-    const core::DelayMargin margin = core::delay_margin(loop.gains, loop.robot, loop.reference, period);
-    if (margin.delay < least.margin.delay) least = {margin, loop.t, loop.robot}, which = k;
-  }
-  return least;
+/// At delays a little, and two and four times, beyond its margin.
+std::vector<Certificate::Swing> swings(const WeakestLoop& loop, double period) {
+  std::vector<Certificate::Swing> result;
+  if (loop.delay.margin.unbounded) return result;
+  const double beyond = 1.1 * loop.delay.margin.delay;
+  for (const double delay : {beyond, std::max(0.1, 2.0 * beyond), std::max(0.2, 4.0 * beyond)})
+    result.push_back({delay, core::swing(loop.gains, loop.delay.robot, loop.reference, period, delay)});
+  return result;
 }
 
 }  // namespace
@@ -356,22 +354,14 @@ Certificate certify(const Experiment& experiment, const std::stop_token& stop) {
     }
   }
   certificate.theorem = cases.found(reference->smooth());
-  const std::vector<Loop> loops = loops_of(experiment);
-  std::size_t which = 0;
-  certificate.delay = smallest_delay_margin(loops, experiment.period(), stop, which);
-  if (!certificate.delay.margin.unbounded) {
-    const Loop& loop = loops[which];
-    const double beyond = 1.1 * certificate.delay.margin.delay;
-    for (const double delay : {beyond, std::max(0.1, 2.0 * beyond), std::max(0.2, 4.0 * beyond)})
-      certificate.swings.push_back(
-          {delay, core::swing(loop.gains, loop.robot, loop.reference, experiment.period(), delay)});
-  }
+  const WeakestLoop weakest = weakest_loop(experiment, stop);
+  certificate.delay = weakest.delay;
+  certificate.swings = swings(weakest, experiment.period());
   return certificate;
 }
 
 Certificate::Delay smallest_delay_margin(const Experiment& experiment, const std::stop_token& stop) {
-  std::size_t which = 0;
-  return smallest_delay_margin(loops_of(experiment), experiment.period(), stop, which);
+  return weakest_loop(experiment, stop).delay;
 }
 
 std::string as_lines(const Certificate& certificate) {
