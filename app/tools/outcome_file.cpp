@@ -116,6 +116,8 @@ void for_columns(Outcome& o, Use&& use) {
   use("effort", o.effort);
   use("v_jumps", o.v_jumps);
   use("reversals", o.reversals);
+  use("absent", o.absent);
+  use("places_taken", o.places_taken);
   use("failure", o.failure);
 }
 

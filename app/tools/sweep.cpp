@@ -44,6 +44,7 @@ class Distance final : public RecordSink {
                                                    experiment_.robots[i].v_max.value_or(experiment_.controller.v_max));
       error = std::fmax(error, core::distance(schedule_.place(record, i), here));
     }
+    count_absent(record);
     for (const Event& event : record.events)
       if (const auto* const perturb = std::get_if<events::Perturb>(&event)) {
         if (!since_) since_ = record.t;
@@ -68,6 +69,8 @@ class Distance final : public RecordSink {
   /// From where every robot began straight to its last place, at v_max: the longest of these [s].
   double straight() const noexcept { return farthest_way_; }
   double perturbation() const noexcept { return farthest_; }
+  std::int64_t absent() const noexcept { return absent_; }
+  std::int64_t places_taken() const noexcept { return places_taken_; }
   std::int64_t v_jumps() const noexcept { return v_jumps_; }
   std::int64_t reversals() const noexcept { return reversals_; }
   double final_error() const noexcept {  // of the last second
@@ -88,6 +91,27 @@ class Distance final : public RecordSink {
   struct Row {
     double t, error;
   };
+  /// Who is not at its place now, and who of these cannot be: a runaway is there.
+  void count_absent(const TickRecord& record) {
+    absent_ = places_taken_ = 0;
+    const auto here = [&](std::size_t i) {
+      const RobotRecord& robot = record.robots[i];
+      return std::isnan(robot.truth.x) ? robot.pose : robot.truth;
+    };
+    const auto runs_away = [&](std::size_t i) { return experiment_.robots[i].runs_away(record.now); };
+    for (std::size_t i = 0; i < record.robots.size(); ++i) {
+      const core::Pose place = schedule_.place(record, i);
+      if (runs_away(i) || core::distance(place, here(i)) <= near_enough_) continue;
+      ++absent_;
+      for (std::size_t j = 0; j < record.robots.size(); ++j)
+        if (runs_away(j) &&
+            core::distance(place, here(j)) < experiment_.robots[i].radius + experiment_.robots[j].radius) {
+          ++places_taken_;
+          break;
+        }
+    }
+  }
+
   void watch_wheels(const TickRecord& record) {
     before_.resize(record.robots.size());
     for (std::size_t i = 0; i < record.robots.size(); ++i) {
@@ -130,7 +154,7 @@ class Distance final : public RecordSink {
   bool at_rest_ = false;
   std::vector<Row> rows_;
   std::vector<Driven> in_motion_;
-  std::int64_t v_jumps_ = 0, reversals_ = 0;
+  std::int64_t absent_ = 0, places_taken_ = 0, v_jumps_ = 0, reversals_ = 0;
   std::optional<double> since_, last_far_, arrived_;
   double farthest_ = 0.0;
 };
@@ -164,6 +188,7 @@ Json json(const SweepSummary& s) {
               {"runs_outside", s.runs_outside},
               {"recovered", s.recovered},
               {"recovered_share", json(s.recovered_share())},
+              {"places_taken", s.places_taken},
               {"recovery_p50", json(s.recovery_p50)},
               {"recovery_p90", json(s.recovery_p90)},
               {"recovery_p99", json(s.recovery_p99)},
@@ -199,6 +224,7 @@ Json json(const SweepSummary& s) {
                    {"control_runs_with_collisions", control.runs_with_collisions},
                    {"control_runs_outside", control.runs_outside},
                    {"control_recovered_share", json(control.recovered_share())},
+                   {"control_places_taken", control.places_taken},
                    {"control_recovery_p50", json(control.recovery_p50)},
                    {"control_recovery_p99", json(control.recovery_p99)},
                    {"control_recovery_max", json(control.recovery_max)},
@@ -254,6 +280,8 @@ RunOutcome run_one(const Study& study, std::uint64_t seed, bool control) {
   outcome.recovery = distance.recovery();
   if (outcome.perturbation == 0.0 && distance.at_rest()) outcome.straight = distance.straight();
   outcome.outside = summary.outside;
+  outcome.absent = distance.absent();
+  outcome.places_taken = distance.places_taken();
   outcome.v_jumps = distance.v_jumps();
   outcome.reversals = distance.reversals();
   const auto all = [&](bool (PerturbationResult::*first)() const noexcept) {
@@ -362,6 +390,7 @@ SweepSummary summarise(const Study& study, const std::vector<RunOutcome>& outcom
     errors.push_back(o.final_error);
     if (o.recovery) recoveries.push_back(*o.recovery);
     if (o.recovery && o.straight && *o.straight > 0.0) over_straight.push_back(*o.recovery / *o.straight);
+    s.places_taken += o.shut_out();
     s.runs_outside += o.outside > 0.0;
     if (o.whole) wholes.push_back(*o.whole);
     if (o.whole_after) wholes_after.push_back(*o.whole_after);

@@ -38,9 +38,14 @@ struct RunOutcome {
   double effort = 0.0;         ///< root mean square of the wheels' commanded acceleration [m/s^2]
   std::int64_t v_jumps = 0;    ///< changes of a robot's v by more than 0.03 m/s from a tick to the next
   std::int64_t reversals = 0;  ///< times that a robot went over from forwards to backwards or back
-  std::string failure;         ///< why there is no run, if there is none
+  std::int64_t absent = 0;     ///< robots that are not within `recovered_within` of their places at the end
+  /// Of these: how many cannot be, because a robot that ignores commands is there and the bodies would touch.
+  std::int64_t places_taken = 0;
+  std::string failure;  ///< why there is no run, if there is none
 
   bool collided() const noexcept { return collisions > 0; }
+  /// It did not recover, and only robots are missing that cannot be at their places.
+  bool shut_out() const noexcept { return !recovery && absent > 0 && absent == places_taken; }
 };
 
 /// The experiment of one run of a study, or of its control; the error says why there is none.
@@ -73,8 +78,8 @@ struct SweepSummary {
   std::int64_t collisions = 0, runs_with_collisions = 0, run_into = 0;
   double min_distance = 0.0;
   std::uint64_t min_distance_seed = 0;
-  double obstacle_gap = 0.0;  ///< NaN without obstacles
-  std::int64_t recovered = 0;
+  double obstacle_gap = 0.0;                     ///< NaN without obstacles
+  std::int64_t recovered = 0, places_taken = 0;  ///< runs; places_taken: that could not (RunOutcome::shut_out)
   double recovery_p50 = 0.0, recovery_p90 = 0.0, recovery_p99 = 0.0, recovery_max = 0.0;  ///< of those that did [s]
   /// Of runs in which all came to rest: their times as multiples of `straight`; NaN where none did.
   double over_straight_p50 = 0.0, over_straight_p99 = 0.0, over_straight_max = 0.0;

@@ -88,6 +88,7 @@ Planner::Planner(const Setup& setup, const Reference& reference, FormationClock*
   group_.planned.resize(setup.robots);
   group_.from.resize(setup.robots);
   group_.stands.resize(setup.robots);
+  group_.places.resize(setup.robots);
   group_.routes.resize(setup.robots);
   group_.best.resize(setup.robots);
   improvement_.role.resize(setup.robots);
@@ -132,6 +133,15 @@ bool Planner::rests(std::size_t i, const Scene& scene) const noexcept {
 
 Pose Planner::goal(std::size_t i, const Scene& scene) const noexcept {
   return scene.to_starts ? reference_->at(i, 0.0).pose : goals_[i];
+}
+
+/// Whether an obstacle, or a robot that stands without a plan, is where robot i is to rest.
+bool Planner::is_taken(std::size_t i, const Scene& scene) const noexcept {
+  const Pose to = goal(i, scene);
+  if (const Lattice::Place in = lattice(i).inside(to.x, to.y); !lattice(i).free(in.x, in.y)) return true;
+  for (std::size_t j = 0; j < robots_.size(); ++j)
+    if (j != i && stands(j, scene) && distance(scene.poses[j], to) < least_apart() - closer(i, j)) return true;
+  return false;
 }
 
 /// Whether robot i is at the place where it rests, so that it needs no way there.
@@ -389,7 +399,9 @@ void Planner::step(const Scene& scene, const Gains& gains, double dt, std::span<
           break;
         }
         run_clock(i, scene, dt);
-        if (robot.clock >= robot.route.duration()) {
+        if (robot.clock >= robot.route.duration() && robot.makes_room) {
+          wait_for_a_way(i);
+        } else if (robot.clock >= robot.route.duration()) {
           robot.state = rests(i, scene) ? State::nominal : State::returning;
           robot.reference.pose = robot.route.end();
           if (robot.state == State::nominal && formation_t_ < rest_from_[i] && !scene.to_starts) {

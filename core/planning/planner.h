@@ -148,8 +148,9 @@ class Planner {
     Pose before;     // its pose at the previous step
     std::size_t waits_for = 0;
     bool no_way = false, needs_plan = false;
-    bool all_anew = false;  // and everybody with it
-    bool stood = false;     // it was out, or stuck
+    bool makes_room = false;  // its place is taken: it drives to where it is in nobody's way
+    bool all_anew = false;    // and everybody with it
+    bool stood = false;       // it was out, or stuck
   };
 
   void let_formation_wait(const Scene& scene, const Gains& gains) noexcept;
@@ -165,6 +166,7 @@ class Planner {
   void go_on_with_group(const Scene& scene, std::span<const ReferencePoint> nominal) noexcept;
   bool include_who_follows(const Scene& scene) noexcept;
   bool improve(const Scene& scene) noexcept;
+  void wait_for_a_way(std::size_t i) noexcept;
   void end_group(const Scene& scene) noexcept;
   void improve_on_the_way(const Scene& scene, std::span<const ReferencePoint> nominal) noexcept;
   bool begin_improvement(const Scene& scene) noexcept;
@@ -205,6 +207,7 @@ class Planner {
   bool is_back(std::size_t i, const Scene& scene, const Pose& place) const noexcept;
   static bool stands(std::size_t i, const Scene& scene) noexcept { return scene.out[i] || scene.stuck[i]; }
   Pose goal(std::size_t i, const Scene& scene) const noexcept;
+  bool is_taken(std::size_t i, const Scene& scene) const noexcept;
   void know_paces(const Gains& gains) noexcept;
   /// The smallest distance of two of the largest bodies on routes: the shield's, with room for rounding. [m]
   double least_apart() const noexcept { return setup_.shield_distance + 5e-4; }
@@ -257,6 +260,7 @@ class Planner {
     std::vector<std::uint8_t> member, planned;
     std::vector<Pose> from;      // poses of members after braking
     std::vector<double> stands;  // since when, after `began` [s]
+    std::vector<Pose> places;    // where robots rest or will rest; NaN: it moves
     std::vector<Route> routes, best;
     double best_arrival = 0.0;  // of the last of all, after `began` [s]
     int improvements = 0;

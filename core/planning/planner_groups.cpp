@@ -72,7 +72,7 @@ void Planner::set_off(std::size_t i, double due) noexcept {
   robot.rate = 1.0;
   robot.state = State::driving;
   robot.held_for = 0.0;
-  robot.no_way = false;
+  robot.no_way = robot.makes_room;
   robot.needs_plan = robot.all_anew = false;
   robot.patience = 0.0;
   // Its plan took the others as they are; theirs knew nothing of it. A group whose planning took longer than its lead
@@ -105,7 +105,17 @@ Planner::Start Planner::begin_route(std::size_t i, const Scene& scene) noexcept 
   robot.clock = 0.0;
   robot.rate = 1.0;
   robot.state = State::waiting;
+  robot.makes_room = false;
   return {from, v};
+}
+
+/// Robot i stands where its route ends, and a way is searched for again after a while.
+void Planner::wait_for_a_way(std::size_t i) noexcept {
+  Robot& robot = robots_[i];
+  robot.state = State::waiting;
+  robot.needs_plan = robot.no_way = true;
+  robot.patience = std::clamp(2.0 * robot.patience, try_again, try_again_at_last);
+  robot.retry = now_ + robot.patience;
 }
 
 void Planner::begin_search(std::size_t i, const Pose& from, double begins, const Scene& scene) noexcept {
@@ -118,6 +128,7 @@ void Planner::begin_search(std::size_t i, const Pose& from, double begins, const
   query.least = least_apart();
   query.pace = paces_[i];
   query.smaller = setup_.smaller;
+  if (robots_[i].makes_room) query.away_from = group_.places;
   search_.look_at(lattice(i), traffic_);
   search_.begin(query, traffic_);
   spent_ += search_.found() ? 60 : 500;  // the stamps and the estimate
@@ -154,13 +165,17 @@ void Planner::begin_group(const Scene& scene, std::span<const ReferencePoint> no
   for (const std::size_t i : g.order) {
     begin_route(i, scene);
     robots_[i].needs_plan = robots_[i].all_anew = false;
+    robots_[i].makes_room = is_taken(i, scene);
     g.lead = std::max(g.lead, g.stands[i]);  // a route that begins late does not repeat the braking
   }
   for (std::size_t j = 0; j < n; ++j)
     if (!g.member[j]) expect(j, scene, nominal);
+  for (std::size_t j = 0; j < n; ++j) g.places[j] = rests(j, scene) ? goal(j, scene) : Pose{never, never, 0.0};
   spent_ += 15 * n;
-  // The longest way first. (stable_sort would allocate.)
+  // Whoever makes room, last: it knows then where the others drive. The longest way first. (stable_sort would
+  // allocate.)
   std::sort(g.order.begin(), g.order.end(), [&](std::size_t a, std::size_t b) {
+    if (robots_[a].makes_room != robots_[b].makes_room) return robots_[b].makes_room;
     const double way_a = distance(g.from[a], goal(a, scene)), way_b = distance(g.from[b], goal(b, scene));
     return way_a != way_b ? way_a > way_b : a < b;
   });
@@ -212,6 +227,17 @@ void Planner::go_on_with_group(const Scene& scene, std::span<const ReferencePoin
     g.asking = false;
     Route& route = g.routes[i];
     route = robots_[i].route;  // that it brakes along
+    const auto stays = [&] {
+      traffic_.stands(i, g.from[i].x, g.from[i].y);
+      g.planned[i] = g.member[i] = 0;
+      g.order.erase(g.order.begin() + static_cast<std::ptrdiff_t>(g.next));
+      wait_for_a_way(i);
+    };
+    if (search_.found() && search_.legs().empty()) {  // it makes room, and is in nobody's way
+      stays();
+      g.others = Group::Others::leave;
+      continue;
+    }
     if (search_.found() && route.append(search_.legs(), goal(i, scene).theta, paces_[i])) {
       traffic_.drives(i, route, 0.0);
       g.planned[i] = 1;
@@ -235,14 +261,7 @@ void Planner::go_on_with_group(const Scene& scene, std::span<const ReferencePoin
     }
     const bool gives_up = g.attempt > most_attempts || scene.t > g.began + longest_planning;
     if (gives_up || g.next == 0) {  // first and yet no way: it stands where it is
-      traffic_.stands(i, g.from[i].x, g.from[i].y);
-      g.planned[i] = 0;
-      g.order.erase(g.order.begin() + static_cast<std::ptrdiff_t>(g.next));
-      robots_[i].no_way = true;
-      robots_[i].patience = std::clamp(2.0 * robots_[i].patience, try_again, try_again_at_last);
-      robots_[i].retry = scene.t + robots_[i].patience;
-      robots_[i].needs_plan = true;
-      g.member[i] = 0;
+      stays();
     } else {
       std::rotate(g.order.begin(), g.order.begin() + static_cast<std::ptrdiff_t>(g.next),
                   g.order.begin() + static_cast<std::ptrdiff_t>(g.next + 1));
@@ -263,6 +282,7 @@ bool Planner::improve(const Scene& scene) noexcept {
   for (std::size_t k = 0; k < g.order.size(); ++k) {
     const std::size_t i = g.order[k];
     const Pose to = goal(i, scene);
+    if (robots_[i].makes_room) continue;
     const double alone = std::max(g.stands[i], g.lead) + distance(g.from[i], to) / paces_[i].v;
     soonest = std::max(soonest, alone);
     if (g.routes[i].duration() > last) last = g.routes[i].duration(), latest = k;

@@ -23,7 +23,7 @@ double Planner::arrives(std::size_t i) const noexcept {
 /// Whether robot i is on a route to a place at rest, and may turn off it.
 bool Planner::may_turn_off(std::size_t i, const Scene& scene) const noexcept {
   const Robot& robot = robots_[i];
-  return robot.state == State::driving && rests(i, scene) && !robot.stood && !robot.needs_plan;
+  return robot.state == State::driving && rests(i, scene) && !robot.stood && !robot.needs_plan && !robot.makes_room;
 }
 
 /// Where robot j is to be on its route at time t, in the schedule that robot i was planned by. [s]

@@ -61,7 +61,7 @@ void RouteSearch::begin(const Query& query, const Traffic& traffic) noexcept {
     radius_[j] =
         std::min(std::max(std::min(query.keep - closer, at_end - less), query.least - closer), at_start - less);
   }
-  if (direct()) {
+  if (query.away_from.empty() && direct()) {
     searching_ = false;
     found_ = true;
     return;
@@ -72,6 +72,12 @@ void RouteSearch::begin(const Query& query, const Traffic& traffic) noexcept {
   const auto now = intervals(start());
   for (std::size_t k = 0; k < now.size(); ++k)
     if (now[k].begin <= query_.begins + Traffic::step && query_.begins <= now[k].end) {
+      if (!query_.away_from.empty() && may_end(start(), k)) {
+        searching_ = false;
+        found_ = true;
+        arrival_ = query_.begins;
+        return;
+      }
       nodes_.push_back({static_cast<float>(query_.begins), 0.0f, static_cast<float>(query_.begins),
                         static_cast<std::uint32_t>(state_of(start(), headings - 1, k)), nobody});
       open_.emplace_back(0.0f, 0u);
@@ -93,6 +99,19 @@ bool RouteSearch::direct() noexcept {
   if (legs_[0].arrives_at > soonest) return false;
   leg_count_ = 1;
   arrival_ = arrival;
+  return true;
+}
+
+/// Whether the robot may stay at a vertex that it reaches in this interval.
+bool RouteSearch::may_end(std::size_t vertex, std::size_t interval) noexcept {
+  if (query_.away_from.empty()) return vertex == goal();
+  if (intervals(vertex)[interval].end < unreached) return false;
+  const Lattice::Place here = place(vertex);
+  for (std::size_t j = 0; j < query_.away_from.size(); ++j) {
+    const Pose& other = query_.away_from[j];
+    const double closer = query_.smaller.empty() ? 0.0 : query_.smaller[query_.robot] + query_.smaller[j];
+    if (j != query_.robot && std::hypot(here.x - other.x, here.y - other.y) < query_.keep - closer) return false;
+  }
   return true;
 }
 
@@ -128,6 +147,7 @@ void RouteSearch::stamp() noexcept {
 void RouteSearch::estimate() noexcept {
   std::fill(left_.begin(), left_.end(), unreached);
   std::fill(is_exit_.begin(), is_exit_.end(), std::uint8_t{0});
+  if (!query_.away_from.empty()) return std::fill(left_.begin(), left_.end(), 0.0f);
   const Lattice::Place to = place(goal());
   open_.clear();
   left_[goal()] = 0.0f;
@@ -199,7 +219,7 @@ std::size_t RouteSearch::advance(std::size_t budget) noexcept {
     const Node& n = nodes_[node];
     if (node != 0 && (best_of_[n.state] != search_ || n.g > best_[n.state])) continue;
     ++spent;
-    if (n.state / intervals_each / headings == goal()) {
+    if (may_end(n.state / intervals_each / headings, n.state % intervals_each)) {
       finish(node);
       break;
     }
@@ -266,6 +286,7 @@ void RouteSearch::expand(std::uint32_t node) noexcept {
     lattice_->near(here.x, here.y, attach * lattice_->cell(), [&](std::size_t u) {
       if (left_[u] < unreached && lattice_->free(here, lattice_->place(u))) drive(u, headings - 1);
     });
+    if (!query_.away_from.empty()) return;
     const Lattice::Place to = place(goal());
     if (std::hypot(to.x - here.x, to.y - here.y) < attach * lattice_->cell() && lattice_->free(here, to))
       drive(goal(), headings - 1);

@@ -34,6 +34,9 @@ class RouteSearch {
     double least = 0.0785;  ///< smaller limit if both goals are closer than that [m]
     Pace pace;
     std::span<const double> smaller{};  ///< than `keep` and `least` are for: each body [m]; empty: none is
+    /// Not empty: instead of to `to`, to the nearest place where it is in nobody's way: nobody passes there later, and
+    /// it is none of these, which are the others' places. It may be where the robot stands: no legs.
+    std::span<const Pose> away_from{};
   };
   void begin(const Query& query, const Traffic& traffic) noexcept;
   /// Continues with up to this many nodes; returns the number expanded.
@@ -61,6 +64,7 @@ class RouteSearch {
   static constexpr std::size_t headings = Lattice::directions + 1;  // the last: straight from the start
   static constexpr std::uint32_t nobody = 0xffffffff;
 
+  bool may_end(std::size_t vertex, std::size_t interval) noexcept;
   void stamp() noexcept;
   void estimate() noexcept;
   std::span<const Interval> intervals(std::size_t vertex) noexcept;

@@ -477,6 +477,69 @@ TEST(Planner, GoesRoundWhoeverIsStuckAndFetchesItLater) {
   }
 }
 
+/// Where the places of others are taken: by the first robot, which stands from the beginning until `until` [s].
+Scene first_stands(const std::vector<std::pair<Pose, Pose>>& ways, double until = 1e9) {
+  Scene scene;
+  for (const auto& [from, to] : ways) {
+    scene.starts.push_back(from);
+    scene.lines.add(from, to);
+  }
+  scene.out = [until](std::size_t n, double t) {
+    std::vector<std::uint8_t> who(n);
+    who[0] = t < until;
+    return who;
+  };
+  scene.duration = 60.0;
+  return scene;
+}
+
+/// The second robot's place is taken. It stood at the third's place, which waited for ever.
+TEST(Planner, WhoHasNoPlaceLeavesThatOfAnother) {
+  const Scene scene =
+      first_stands({{{0.4, 0.0, 0.0}, {0.6, 0.4, 0.0}}, {{0.0, 0.0, 0.0}, {0.4, 0.0, 0.0}}, {{-0.5, 0.0, 0.0}, {}}});
+  const Outcome o = run(scene);
+  EXPECT_LT(core::distance(o.last[2], Pose{}), 0.01);
+  EXPECT_TRUE(o.no_way) << "of the second";
+  EXPECT_LE(o.reversals, 1);
+  EXPECT_GE(o.least, 0.078 - 1e-6);
+}
+
+/// In a row: each stands at the next one's place.
+TEST(Planner, WhoHasNoPlaceLeavesOneAfterTheOther) {
+  std::vector<std::pair<Pose, Pose>> ways;
+  for (int k = 0; k < 5; ++k) ways.push_back({{0.4 - 0.2 * k, 0.0, 0.0}, {0.6 - 0.2 * k, 0.0, 0.0}});
+  const Outcome o = run(first_stands(ways));
+  for (std::size_t i = 2; i < 5; ++i) EXPECT_LT(core::distance(o.last[i], ways[i].second), 0.01) << i;
+  EXPECT_GE(o.least, 0.078 - 1e-6);
+}
+
+TEST(Planner, WhoHasNoPlaceLeavesADoor) {
+  Scene scene = first_stands(
+      {{{0.7, 0.0, 0.0}, {0.7, 0.5, 0.0}}, {{0.0, 0.0, 0.0}, {0.7, 0.0, 0.0}}, {{-0.5, 0.1, 0.0}, {0.5, 0.3, 0.0}}});
+  const double half = 0.5 * 0.098 + 0.02;
+  wall(scene, 0.0, -0.75, 0.0, -half);
+  wall(scene, 0.0, half, 0.0, 0.75);
+  const Outcome o = run(scene);
+  EXPECT_LT(core::distance(o.last[2], Pose{0.5, 0.3, 0.0}), 0.01);
+  EXPECT_GE(o.least, 0.078 - 1e-6);
+}
+
+TEST(Planner, WhoHasNoPlaceBecauseOfAnObstacleLeavesThatOfAnother) {
+  Scene scene =
+      first_stands({{{0.8, 0.5, 0.0}, {0.8, 0.5, 0.0}}, {{0.0, 0.0, 0.0}, {0.4, 0.0, 0.0}}, {{-0.5, 0.0, 0.0}, {}}});
+  scene.obstacles = {{0.4, 0.02, 0.05}};
+  const Outcome o = run(scene);
+  EXPECT_LT(core::distance(o.last[2], Pose{}), 0.01);
+  EXPECT_GE(o.least, 0.078 - 1e-6);
+}
+
+TEST(Planner, WhoHadNoPlaceGoesThereOnceItIsFree) {
+  const Outcome o = run(first_stands(
+      {{{0.4, 0.0, 0.0}, {0.6, 0.4, 0.0}}, {{0.0, 0.0, 0.0}, {0.4, 0.0, 0.0}}, {{-0.5, 0.0, 0.0}, {}}}, 20.0));
+  EXPECT_GT(o.arrived, 20.0);
+  EXPECT_LT(o.arrived, 45.0);
+}
+
 TEST(Planner, SaysThatThereIsNoWay) {
   Scene scene;
   wall(scene, 0.0, -0.75, 0.0, 0.75);

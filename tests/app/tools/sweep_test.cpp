@@ -238,6 +238,20 @@ TEST(Sweep, OthersArriveRoundARobotThatIsStuck) {
   for (const std::uint64_t seed : {55u, 56u, 87u}) EXPECT_TRUE(run_one(study, seed).recovery) << seed;
 }
 
+/// A runaway stands at the place of one of them. Another one's place was the spot where that one waited: it never
+/// arrived.
+TEST(Sweep, OthersArriveThoughOneHasNoPlace) {
+  const Study study = shipped("runaways.toml");
+  const RunOutcome o = run_one(study, 27);
+  EXPECT_FALSE(o.recovery);
+  EXPECT_EQ(o.absent, 1);
+  EXPECT_EQ(o.places_taken, 1);
+  EXPECT_EQ(o.collisions, 0);
+  const SweepSummary summary = summarise(study, {o, run_one(study, 55)});
+  EXPECT_EQ(summary.recovered, 1);
+  EXPECT_EQ(summary.places_taken, 1);
+}
+
 /// The robot on its place turns on the spot by itself, now and then as fast as it is told to: it is stuck all the same.
 TEST(Sweep, NoWayIsSaidOnceWhileARobotIsStuckOnThePlace) {
   struct Count final : RecordSink {
