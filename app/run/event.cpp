@@ -19,8 +19,13 @@ using namespace events;
 
 void fields(auto&, one_of<Start, Pause, Resume, Stop, Stage, Staged, FilmBroken> auto&) {}
 
-void fields(auto& io, one_of<Hold, Release, Lost, Found, Avoid, Clear, Deadlock, NoWay, NoNumber, Obeys> auto& e) {
+void fields(auto& io, one_of<Hold, Release, Lost, Found, Avoid, Clear, Deadlock, NoNumber, Obeys> auto& e) {
   io.number_of('r', e.robot);
+}
+
+void fields(auto& io, one_of<NoWay> auto& e) {
+  io.number_of('r', e.robot);
+  io.number_of_any('r', e.other, nobody);
 }
 
 void fields(auto& io, one_of<Perturb, Kidnap> auto& e) {

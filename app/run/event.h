@@ -245,9 +245,11 @@ struct FilmBroken {  ///< writing the camera's film failed; the run goes on with
   static constexpr std::string_view word = "film_broken";
 };
 
+inline constexpr std::size_t nobody = static_cast<std::size_t>(-1);
 struct NoWay {  ///< planning finds no route to its place: it stands, and planning continues
   static constexpr std::string_view word = "no_way";
   std::size_t robot = 0;
+  std::size_t other = nobody;  ///< stands at its place
 };
 struct NoProgress {  ///< it has made no progress towards its place for 3 s
   static constexpr std::string_view word = "no_progress";

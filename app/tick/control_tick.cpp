@@ -520,7 +520,8 @@ void TickState::follow_plan() noexcept {
                                    *std::max_element(doubt.begin(), doubt.end())};
   planner->step(scene, gains, motion_dt, nominal, followed);
   for (std::size_t i = 0; i < robots(); ++i) {
-    if (planner->no_way(i) && !had_no_way[i]) note(events::NoWay{i});
+    const std::size_t by = planner->taken_by(i);
+    if (planner->no_way(i) && !had_no_way[i]) note(events::NoWay{i, by < robots() ? by : events::nobody});
     had_no_way[i] = planner->no_way(i);
   }
 }

@@ -101,11 +101,13 @@ class Distance final : public RecordSink {
     const auto runs_away = [&](std::size_t i) { return experiment_.robots[i].runs_away(record.now); };
     for (std::size_t i = 0; i < record.robots.size(); ++i) {
       const core::Pose place = schedule_.place(record, i);
+      const double shielded =
+          experiment_.shield.enabled ? experiment_.shield.distance - 2.0 * core::standard_radius : 0.0;
       if (runs_away(i) || core::distance(place, here(i)) <= near_enough_) continue;
       ++absent_;
       for (std::size_t j = 0; j < record.robots.size(); ++j)
         if (runs_away(j) &&
-            core::distance(place, here(j)) < experiment_.robots[i].radius + experiment_.robots[j].radius) {
+            core::distance(place, here(j)) < experiment_.robots[i].radius + experiment_.robots[j].radius + shielded) {
           ++places_taken_;
           break;
         }

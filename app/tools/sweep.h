@@ -39,7 +39,8 @@ struct RunOutcome {
   std::int64_t v_jumps = 0;    ///< changes of a robot's v by more than 0.03 m/s from a tick to the next
   std::int64_t reversals = 0;  ///< times that a robot went over from forwards to backwards or back
   std::int64_t absent = 0;     ///< robots that are not within `recovered_within` of their places at the end
-  /// Of these: how many cannot be, because a robot that ignores commands is there and the bodies would touch.
+  /// Of these: how many cannot be, because a robot that ignores commands is nearer to the place than the
+  /// shield allows, or without it the bodies.
   std::int64_t places_taken = 0;
   std::string failure;  ///< why there is no run, if there is none
 

@@ -114,7 +114,7 @@ void Planner::go_on_from(const Planner& other) {
 }
 
 void Planner::reset() noexcept {
-  for (Robot& robot : robots_) robot = Robot{}, robot.waits_for = robots_.size();
+  for (Robot& robot : robots_) robot = Robot{}, robot.waits_for = robot.taken_by = robots_.size();
   std::fill(shift_.begin(), shift_.end(), 0.0);
   group_.active = false;
   improvement_.asked = improvement_.failures = 0;
@@ -136,12 +136,14 @@ Pose Planner::goal(std::size_t i, const Scene& scene) const noexcept {
 }
 
 /// Whether an obstacle, or a robot that stands without a plan, is where robot i is to rest.
-bool Planner::is_taken(std::size_t i, const Scene& scene) const noexcept {
+bool Planner::is_taken(std::size_t i, const Scene& scene) noexcept {
   const Pose to = goal(i, scene);
+  std::size_t& by = robots_[i].taken_by;
+  by = robots_.size();
   if (const Lattice::Place in = lattice(i).inside(to.x, to.y); !lattice(i).free(in.x, in.y)) return true;
   for (std::size_t j = 0; j < robots_.size(); ++j)
-    if (j != i && stands(j, scene) && distance(scene.poses[j], to) < least_apart() - closer(i, j)) return true;
-  return false;
+    if (j != i && stands(j, scene) && distance(scene.poses[j], to) < least_apart() - closer(i, j)) by = j;
+  return by != robots_.size();
 }
 
 /// Whether robot i is at the place where it rests, so that it needs no way there.

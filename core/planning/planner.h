@@ -89,6 +89,8 @@ class Planner {
   double share(std::size_t i) const noexcept { return robots_[i].share; }
   /// Planning has found no route for robot i, and keeps trying.
   bool no_way(std::size_t i) const noexcept { return robots_[i].no_way; }
+  /// The robot that stood at the place of robot i when its way was planned, or none (robots()).
+  std::size_t taken_by(std::size_t i) const noexcept { return robots_[i].taken_by; }
   /// The robot for which robot i waits to pass first, or none (robots()).
   std::size_t waits_for(std::size_t i) const noexcept { return robots_[i].waits_for; }
   /// Nodes expanded in the latest step.
@@ -146,7 +148,7 @@ class Planner {
     ReferencePoint reference;
     Sidestep aside;  // while it passes an obstacle
     Pose before;     // its pose at the previous step
-    std::size_t waits_for = 0;
+    std::size_t waits_for = 0, taken_by = 0;
     bool no_way = false, needs_plan = false;
     bool makes_room = false;  // its place is taken: it drives to where it is in nobody's way
     bool all_anew = false;    // and everybody with it
@@ -207,7 +209,7 @@ class Planner {
   bool is_back(std::size_t i, const Scene& scene, const Pose& place) const noexcept;
   static bool stands(std::size_t i, const Scene& scene) noexcept { return scene.out[i] || scene.stuck[i]; }
   Pose goal(std::size_t i, const Scene& scene) const noexcept;
-  bool is_taken(std::size_t i, const Scene& scene) const noexcept;
+  bool is_taken(std::size_t i, const Scene& scene) noexcept;
   void know_paces(const Gains& gains) noexcept;
   /// The smallest distance of two of the largest bodies on routes: the shield's, with room for rounding. [m]
   double least_apart() const noexcept { return setup_.shield_distance + 5e-4; }

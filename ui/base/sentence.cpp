@@ -143,7 +143,11 @@ QString sentence(const app::Event& event) {
                                                  .arg(fixed(e.obstacle.x, 2), fixed(e.obstacle.y, 2))
                                            : tr("Obstacle %1 was removed").arg(e.number + 1);
           },
-          [&](const NoWay& e) { return tr("Robot %1 stands: there is no route to its place").arg(e.robot + 1); },
+          [&](const NoWay& e) {
+            return e.other == nobody
+                       ? tr("Robot %1 stands: there is no route to its place").arg(e.robot + 1)
+                       : tr("Robot %1 stands: robot %2 is at its place").arg(e.robot + 1).arg(e.other + 1);
+          },
           [&](const NoProgress& e) {
             return tr("Robot %1 has made no progress to its place for 3 s, %2 m away (%3)")
                 .arg(e.robot + 1)
