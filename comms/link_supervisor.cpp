@@ -230,6 +230,7 @@ bool LinkSupervisor::Loop::wait_acknowledged(double timeout_s) {
 std::vector<LinkStatus> LinkSupervisor::Loop::status() const {
   const std::lock_guard lock(mutex_);
   std::vector<LinkStatus> status;
+  status.reserve(links_.size());
   const double now = seconds_now();
   for (const Link& link : links_) status.push_back(link.status(now));
   return status;

@@ -60,7 +60,7 @@ struct Group {
 /// The law for a group, pair by pair: the baseline.
 void law_plain(benchmark::State& state) {
   Group group(static_cast<std::size_t>(state.range(0)));
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     core::coordination_law(group.gains, group.errors, group.reference, group.command);
     benchmark::DoNotOptimize(group.command.data());
     benchmark::ClobberMemory();
@@ -71,7 +71,7 @@ void law_plain(benchmark::State& state) {
 void law_fast(benchmark::State& state) {
   Group group(static_cast<std::size_t>(state.range(0)));
   core::LawPairs pairs(group.errors.size());
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     core::coordination_law(group.gains, group.errors, group.reference, group.command, pairs);
     benchmark::DoNotOptimize(group.command.data());
     benchmark::ClobberMemory();
@@ -102,7 +102,8 @@ struct Rows {
         touched(new bool[robots]()) {
     const auto side = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(robots))));
     for (std::size_t i = 0; i < robots; ++i) {
-      poses.push_back({0.12 * static_cast<double>(i % side), 0.12 * static_cast<double>(i / side), 0.3});
+      const std::size_t column = i % side, row = i / side;
+      poses.push_back({0.12 * static_cast<double>(column), 0.12 * static_cast<double>(row), 0.3});
       nominal.push_back({poses.back(), command[i]});
     }
   }
@@ -114,7 +115,7 @@ void near_pairs_plain(benchmark::State& state) {
   const core::AvoidanceParameters region;
   const core::ShieldParameters shield;
   const std::size_t n = rows.poses.size();
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     std::size_t near = 0;
     for (std::size_t i = 0; i < n; ++i) {
       const core::Pose& here = rows.poses[i];
@@ -134,7 +135,7 @@ void near_pairs(benchmark::State& state) {
   core::Avoidance avoidance(n, 0);
   core::Shield shield(n, 0);
   const core::Scene scene{rows.poses, rows.command, {rows.touched.get(), n}, {}};
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     avoidance.step({}, rows.gains, 0.04, scene, rows.nominal, rows.reference);
     shield.apply({}, rows.poses, {}, rows.v_limit, rows.command, {rows.touched.get(), n});
     benchmark::DoNotOptimize(rows.command.data());
@@ -151,7 +152,7 @@ void law(benchmark::State& state) {
   std::vector<core::TrackingError> errors(n);
   std::vector<core::Twist> reference(n), command(n);
   std::size_t k = 0;
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     const TickRecord& row = run[k++ % run.size()];
     for (std::size_t i = 0; i < n; ++i) errors[i] = row.robots[i].error, reference[i] = row.robots[i].reference.twist;
     core::coordination_law(gains, errors, reference, command);
@@ -168,7 +169,7 @@ void tick(benchmark::State& state) {
   const OperatorCommand start = commands::Start{};
   auto control = std::make_unique<ControlTick>(experiment);
   std::size_t k = 0;
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     if (k == run.size()) {  // the run is over: begin again
       state.PauseTiming();
       control = std::make_unique<ControlTick>(experiment);
@@ -189,7 +190,7 @@ void tick(benchmark::State& state) {
 void whole_run(benchmark::State& state) {
   const Experiment experiment = paper_experiment();
   const auto path = std::filesystem::temp_directory_path() / fmt::format("skein-bench-{}.csv", ::getpid());
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     std::ofstream file(path, std::ios::binary);
     CsvWriter csv(file, experiment);
     Statistics statistics(experiment);
@@ -208,7 +209,7 @@ void loopback(benchmark::State& state) {
   const auto experiment =
       parse_experiment(paper_experiment().source, "platoon.toml",
                        {"robot_defaults.link=loopback", "robot_defaults.model=epuck2", "camera.source=synthetic"});
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     Recording recording;
     Statistics statistics(*experiment);
     auto session = Session::open(*experiment, Session::Clock::wall, {false, {&recording, &statistics}});

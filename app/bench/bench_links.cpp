@@ -109,7 +109,7 @@ double p99(std::vector<double>& seconds) {
 /// Commands to every robot at 25 Hz through the supervisor, and half a period later through plain write().
 void links(benchmark::State& state, double seconds) {
   const auto count = static_cast<std::size_t>(state.range(0));
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     Robots robots(count), plain_robots(count);
     PlainLines plain(plain_robots, count);
     std::vector<comms::LinkAddress> addresses;

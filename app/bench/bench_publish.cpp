@@ -106,7 +106,7 @@ class Place {
 };
 
 void publish(benchmark::State& state, double seconds) {
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     const Experiment experiment = long_platoon(seconds);
     const StalledReceiver receiver;
     auto publisher = Publisher::open(receiver.where(), experiment);
@@ -165,7 +165,7 @@ void find(benchmark::State& state, bool indexed) {
   const auto query = parse_query("k_xx > 0.009 and collisions = 0").value();
   [[maybe_unused]] const auto made_before = RunIndex::open(place.path.string());
   std::size_t found = 0;
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     if (!indexed) std::filesystem::remove(place.path / ".index.sqlite");
     auto index = RunIndex::open(place.path.string());
     found = index->find(query, {"collisions", "min_distance", "final_error"})->size();

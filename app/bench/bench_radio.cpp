@@ -41,7 +41,7 @@ Experiment platoon(std::size_t robots) {
 void lap(benchmark::State& state) {
   const auto robots = static_cast<std::size_t>(state.range(0));
   const Experiment experiment = platoon(robots);
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     const RadioLap run = radio_lap(experiment, {});
     state.counters["rtt_ms_median"] = 1e3 * run.rtt_median;
     state.counters["rtt_ms_p99"] = 1e3 * run.rtt_p99;

@@ -210,6 +210,7 @@ RadioLap radio_lap(const Experiment& experiment, const RadioLapOptions& options)
     if (now >= look_at) {
       look_at += look_every;
       std::vector<comms::LinkStatus> status;
+      status.reserve(robots.size());
       for (const LappingRobot& robot : robots) status.push_back(robot.status(now));
       if (auto lost = watch.update(status); lost && started && !lap.all_stop) {
         lap.all_stop = true;

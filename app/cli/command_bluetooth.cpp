@@ -23,6 +23,7 @@ void print(const comms::BluetoothRobot& robot) {
 int save(const std::string& file, const std::vector<comms::BluetoothRobot>& found) {
   const std::string path = known_robots_file(file);
   std::vector<KnownRobot> more;
+  more.reserve(found.size());
   for (const comms::BluetoothRobot& robot : found) more.push_back(known_robot(robot));
   const auto added = add_to_robots_file(path, more);
   if (!added) {

@@ -108,6 +108,7 @@ class Stops {
       return run.robots.empty() || (!every_run && std::none_of(run.robots.begin(), run.robots.end(), mine));
     });
     std::vector<std::future<StoppedRun>> stopped;
+    stopped.reserve(runs.size());
     for (const RunMarker& run : runs)
       stopped.push_back(std::async(std::launch::async, [&run] { return stop_run(run); }));
     if (every_run) resolve_names();  // a name service that does not answer must not hold up the others

@@ -122,6 +122,7 @@ class Worst {
         memory_.answer = question + (uniform() < 0.5 ? 0 : 1);
         return;
       case Adversary::allocate:
+        // NOLINTNEXTLINE(clang-analyzer-unix.Malloc): it never gives memory back.
         while (void* const more = std::malloc(std::size_t{64} << 20)) std::memset(more, 1, 4096);
         return;
       case Adversary::fork:

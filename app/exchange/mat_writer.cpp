@@ -113,7 +113,7 @@ std::string mat_struct(const std::vector<std::pair<std::string, std::string>>& f
   return element(mi_matrix, all);
 }
 
-std::string mat_file(std::string_view variable, std::string value) {
+std::string mat_file(std::string_view variable, const std::string& value) {
   std::string file = "MATLAB 5.0 MAT-file, written by skein " SKEIN_VERSION;
   file.resize(124, ' ');
   file += {'\x00', '\x01', 'I', 'M'};  // version 0x0100, little-endian

@@ -23,6 +23,6 @@ std::string mat_text(std::string_view text);                ///< 1 x n character
 std::string mat_struct(const std::vector<std::pair<std::string, std::string>>& fields);
 
 /// A complete file with one variable. Throws std::length_error if it is too large.
-std::string mat_file(std::string_view variable, std::string value);
+std::string mat_file(std::string_view variable, const std::string& value);
 
 }  // namespace skein::app

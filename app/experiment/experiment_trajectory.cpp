@@ -177,9 +177,10 @@ void check_trajectory_speeds(const Experiment& e, Problems& problems) {
     const double share = std::max(demand.v / c.v_max, demand.turning / c.omega_max);
     const bool by_samples = !e.robots[i].trajectory->samples.empty();
     problems.add(
-        key + (by_samples                        ? ".samples"
-               : problems.has(key + ".duration") ? ".duration"
-                                                 : ".speed"),
+        fmt::format("{}.{}", key,
+                    by_samples                        ? "samples"
+                    : problems.has(key + ".duration") ? "duration"
+                                                      : "speed"),
         fmt::format("found a reference of up to {:.6g} m/s, for which {} fails with any couplings; allowed: below "
                     "{:.6g} m/s with v_max {}, omega_max {}, k_y {} and the bends of its path",
                     demand.v, demand.v >= c.v_max ? "(18f)" : "(18g)", demand.v / share, c.v_max, c.omega_max, k_y));

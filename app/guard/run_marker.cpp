@@ -228,6 +228,7 @@ std::vector<RunMarker> all_markers() {
     }
   std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<RunMarker> markers;
+  markers.reserve(found.size());
   for (auto& [when, marker] : found) markers.push_back(std::move(marker));
   return markers;
 }

@@ -236,6 +236,7 @@ std::vector<StopResult> SafetyNet::Keeper::results() {
   const std::lock_guard lock(calls_);
   if (results_) return results_();
   std::vector<StopResult> all;
+  all.reserve(run_.robots.size());
   for (const comms::LinkAddress& robot : run_.robots)
     all.push_back({comms::to_text(robot), false, "the run has not begun"});
   return all;

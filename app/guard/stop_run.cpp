@@ -63,6 +63,7 @@ bool is_there(const RunMarker& run) {
 
 std::vector<StopResult> all_of(const RunMarker& run, bool stopped, const std::string& reason) {
   std::vector<StopResult> all;
+  all.reserve(run.robots.size());
   for (const comms::LinkAddress& robot : run.robots) all.push_back({comms::to_text(robot), stopped, reason});
   return all;
 }
@@ -159,6 +160,7 @@ bool stop_left_behind(const std::vector<RunMarker>& runs) {
 int stop_runs() {
   const std::vector<RunMarker> runs = all_markers();
   std::vector<std::future<StopAnswer>> answers;
+  answers.reserve(runs.size());
   for (const RunMarker& run : runs)
     answers.push_back(std::async(std::launch::async, [&run] { return ask_run(run.socket(), "stop", hears_within); }));
   int status = done, reached = 0;

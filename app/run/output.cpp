@@ -83,10 +83,10 @@ class Stream {
   bool started_ = false, writing_ = false, stuck_ = false;
 };
 
-/// Never destroyed: its thread may be in a write that does not end.
+/// Never destroyed: its thread may be in a write that does not end. A program without memory for it ends here.
 Stream& stream(int descriptor) noexcept {
-  static Stream* const out = new Stream(STDOUT_FILENO);
-  static Stream* const error = new Stream(STDERR_FILENO);
+  static Stream* const out = new Stream(STDOUT_FILENO);    // NOLINT(bugprone-unhandled-exception-at-new)
+  static Stream* const error = new Stream(STDERR_FILENO);  // NOLINT(bugprone-unhandled-exception-at-new)
   return descriptor == STDOUT_FILENO ? *out : *error;
 }
 

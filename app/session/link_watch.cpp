@@ -43,7 +43,7 @@ LinkState state_of(comms::LinkState state) noexcept {
   return LinkState::failed;
 }
 
-LinkWatch::LinkWatch(std::vector<std::size_t> robots, double bridge, bool wall) : bridge_(bridge), wall_(wall) {
+LinkWatch::LinkWatch(const std::vector<std::size_t>& robots, double bridge, bool wall) : bridge_(bridge), wall_(wall) {
   for (const std::size_t robot : robots) cells_.emplace_back(robot);
 }
 

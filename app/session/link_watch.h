@@ -21,7 +21,7 @@ class LinkWatch {
  public:
   /// `robots`: the robot of each link. `bridge`: how long a link with a connection may be
   /// without an answer [s]; without a connection it is lost at once. `wall`: the run's clock.
-  LinkWatch(std::vector<std::size_t> robots, double bridge, bool wall);
+  LinkWatch(const std::vector<std::size_t>& robots, double bridge, bool wall);
 
   /// Updates the links' status. Returns a sentence about the first lost link, if any. One thread.
   std::optional<std::string> update(const std::vector<comms::LinkStatus>& links);

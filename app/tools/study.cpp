@@ -393,7 +393,7 @@ class StudyCheck {
       const bool of_a_key = problem.file.starts_with(set);
       const std::string what =
           of_a_key ? fmt::format("\"{}\": {}", problem.file.substr(set.size()), problem.text) : problem.message();
-      problems_.add(place ? place->source() : toml::source_region{}, where + ": " + what);
+      problems_.add(place ? place->source() : toml::source_region{}, fmt::format("{}: {}", where, what));
     }
     return false;
   }

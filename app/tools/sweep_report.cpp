@@ -83,6 +83,7 @@ std::string quoted_list(const std::vector<std::string>& texts) {
 
 std::string head_of(const Study& study, const char* name, const std::vector<Variant>& variants) {
   std::vector<std::string> names;
+  names.reserve(variants.size());
   for (const Variant& v : variants) names.push_back(fmt::format("{} ({} runs)", v.name, v.runs->size()));
   return fmt::format(
       "# Study \"{}\", drawn by skein {}. To draw it again, edit this and run: gnuplot {}.gp\n"
@@ -334,6 +335,7 @@ std::vector<std::uint64_t> worst_seeds(const std::vector<RunOutcome>& outcomes, 
   std::stable_sort(runs.begin(), runs.end(), [&](const auto* a, const auto* b) { return badness(*a) > badness(*b); });
   runs.resize(std::min(most, runs.size()));
   std::vector<std::uint64_t> seeds;
+  seeds.reserve(runs.size());
   for (const RunOutcome* run : runs) seeds.push_back(run->seed);
   return seeds;
 }

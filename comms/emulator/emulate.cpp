@@ -82,9 +82,9 @@ int emulate(const EmulateOptions& options) {
     std::vector<EmulatorLoop::Robot> robots;
     for (const ListenAddress& address : listen) {
       const bool wifi = address.kind == LinkKind::tcp;
-      const core::RobotType& type = wifi                            ? *core::find_robot_type("epuck2")
-                                    : address.kind == LinkKind::udp ? *core::find_robot_type("open")
-                                                                    : *options.model;
+      constexpr const core::RobotType& epuck2 = *core::find_robot_type("epuck2");
+      constexpr const core::RobotType& open = *core::find_robot_type("open");
+      const core::RobotType& type = wifi ? epuck2 : address.kind == LinkKind::udp ? open : *options.model;
       robots.push_back({type.motor, wifi ? EpuckProgram::wifi : EpuckProgram::asercom, make_socket_endpoint(address),
                         make_firmware(type)});
     }

@@ -36,9 +36,9 @@ double RadioAdapter::arrival(std::size_t robot, bool to_robot, std::size_t bytes
     ready = std::max(ready, std::ceil(now / interval) * interval);
   }
   active_at_[robot] = now;
-  const auto packets = static_cast<double>((bytes + packet_bytes - 1) / packet_bytes);
+  const auto packets = (bytes + packet_bytes - 1) / packet_bytes;
   const double begins = clear_of_bursts(std::max(now, free_at_));
-  free_at_ = begins + packets * parameters_.slot_pair;
+  free_at_ = begins + static_cast<double>(packets) * parameters_.slot_pair;
   double& newest = newest_[robot][to_robot ? 0 : 1];
   newest = std::max({newest, ready, free_at_});
   return newest;

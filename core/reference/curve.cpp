@@ -121,14 +121,13 @@ Spline::Spline(const std::vector<Point>& points, bool closed) : closed_(closed) 
 
 Curve::Derivatives Spline::derivatives(double u) const noexcept {
   const auto i = std::min(static_cast<std::size_t>(u), pieces_.size() - 1);
-  const auto& [a, b, c, d] = pieces_[i];
+  const Piece& piece = pieces_[i];
   const double w = u - static_cast<double>(i);
-  const auto each = [&](double Point::*part) {
-    return std::array{a.*part + w * (b.*part + w * (c.*part + w * d.*part)),
-                      b.*part + w * (2.0 * c.*part + 3.0 * w * d.*part), 2.0 * c.*part + 6.0 * w * d.*part,
-                      6.0 * d.*part};
+  const auto each = [w](double a, double b, double c, double d) {
+    return std::array{a + w * (b + w * (c + w * d)), b + w * (2.0 * c + 3.0 * w * d), 2.0 * c + 6.0 * w * d, 6.0 * d};
   };
-  const auto x = each(&Point::x), y = each(&Point::y);
+  const auto x = each(piece.a.x, piece.b.x, piece.c.x, piece.d.x);
+  const auto y = each(piece.a.y, piece.b.y, piece.c.y, piece.d.y);
   return {{{x[0], y[0]}, {x[1], y[1]}, {x[2], y[2]}, {x[3], y[3]}}};
 }
 

@@ -29,7 +29,8 @@ Shape make_shape(ShapeName name, std::size_t robots, double spacing) {
         break;
       }
       case ShapeName::v: {
-        const double rank = static_cast<double>((i + 1) / 2) * spacing / std::sqrt(2.0);
+        const std::size_t rows_behind = (i + 1) / 2;
+        const double rank = static_cast<double>(rows_behind) * spacing / std::sqrt(2.0);
         shape.push_back({-rank, i % 2 ? rank : -rank});
         break;
       }

@@ -71,6 +71,7 @@ bool Independent::smooth() const noexcept {
 
 std::vector<std::vector<Pose>> Independent::lines() const {
   std::vector<std::vector<Pose>> lines;
+  lines.reserve(trajectories_.size());
   for (const auto& trajectory : trajectories_) lines.push_back(trajectory->line());
   return lines;
 }
