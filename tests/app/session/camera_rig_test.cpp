@@ -66,6 +66,17 @@ struct OpenRig {
   std::unique_ptr<CameraRig> rig;
 };
 
+/// What an open camera says of the tags that it does not see; `crops`: the folder of their pictures, none if empty.
+std::vector<UnseenTag> not_seen(const Experiment& experiment, const fs::path& crops = {}) {
+  OpenRig opened(experiment, true);
+  if (!opened.rig) return {};
+  if (!crops.empty()) opened.rig->keep_crops(crops);
+  opened.rig->start();
+  const std::vector<UnseenTag> why = opened.rig->why_not_seen();
+  opened.rig->end();
+  return why;
+}
+
 TEST(CameraRig, FindsOutByItselfWhyATagWasNeverSeen) {
   const Lab lab;
   const Experiment experiment = lab.experiment("cal.toml");
@@ -89,12 +100,7 @@ TEST(CameraRig, FindsOutByItselfWhyATagWasNeverSeen) {
 TEST(CameraRig, SaysWhyATagIsNotSeen) {
   const Lab lab;
   const Experiment experiment = lab.experiment("cal.toml");
-  OpenRig opened(experiment, true);
-  auto& [clock, world, rig] = opened;
-  ASSERT_TRUE(rig);
-  rig->start();
-  const std::vector<UnseenTag> why = rig->why_not_seen();
-  rig->end();
+  const std::vector<UnseenTag> why = not_seen(experiment);
   ASSERT_EQ(why.size(), 4U) << "one sentence a robot";
   EXPECT_TRUE(why[0].sentence.starts_with("tag 1 is there, but its edge is 40 mm, 33 % smaller than [tags] size 60 mm"))
       << why[0].sentence;
@@ -104,14 +110,8 @@ TEST(CameraRig, SaysWhyATagIsNotSeen) {
 TEST(CameraRig, WritesAPictureOfATagThatIsNotSeen) {
   const Lab lab;
   const Experiment experiment = lab.experiment("cal.toml");
-  OpenRig opened(experiment, true);
-  auto& [clock, world, rig] = opened;
-  ASSERT_TRUE(rig);
   const fs::path crops = lab.folder / "crops";
-  rig->keep_crops(crops);
-  rig->start();
-  const std::vector<UnseenTag> why = rig->why_not_seen();
-  rig->end();
+  const std::vector<UnseenTag> why = not_seen(experiment, crops);
   ASSERT_EQ(why.size(), 4U);
   EXPECT_EQ(why[0].file, crops / "tag-1.png");
   EXPECT_TRUE(why[0].text().ends_with(" (picture: " + why[0].file + ")")) << why[0].text();
@@ -122,11 +122,8 @@ TEST(CameraRig, WritesAPictureOfATagThatIsNotSeen) {
   ASSERT_TRUE((*written)->read(picture).value_or(false));
   EXPECT_EQ(picture.grey, why[0].picture->grey) << "the pixels of the frame";
   // A folder that cannot be written is no failure of the run.
-  OpenRig other(experiment, true);
-  other.rig->keep_crops(why[0].file + "/below-a-file");
-  other.rig->start();
-  EXPECT_NE(other.rig->why_not_seen().at(0).text().find("tag-1.png: cannot be written)"), std::string::npos);
-  other.rig->end();
+  EXPECT_NE(not_seen(experiment, why[0].file + "/below-a-file").at(0).text().find("tag-1.png: cannot be written)"),
+            std::string::npos);
 }
 
 TEST(CameraRig, TheExperimentsTagSizeHoldsInPlaceOfTheCalibrations) {
@@ -134,12 +131,7 @@ TEST(CameraRig, TheExperimentsTagSizeHoldsInPlaceOfTheCalibrations) {
   const Experiment experiment = lab.experiment("cal.toml", {"tags.size=0.04"});
   EXPECT_EQ(camera_calibration(lab.experiment("cal.toml"))->tag_size, 0.06) << "the control";
   EXPECT_EQ(camera_calibration(experiment)->tag_size, 0.04);
-  OpenRig opened(experiment, true);
-  auto& [clock, world, rig] = opened;
-  ASSERT_TRUE(rig);
-  rig->start();
-  const std::vector<UnseenTag> why = rig->why_not_seen();
-  rig->end();
+  const std::vector<UnseenTag> why = not_seen(experiment);
   ASSERT_EQ(why.size(), 3U) << "robot 1 is seen";
   EXPECT_EQ(why[0].tag, 2);
 }
