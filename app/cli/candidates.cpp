@@ -12,6 +12,7 @@
 #include "app/experiment/known_robots.h"
 #include "app/run/resources.h"
 #include "app/runs/run_folder.h"
+#include "vision/sources/open_source.h"
 
 namespace skein::app {
 namespace {
@@ -107,11 +108,21 @@ std::vector<Candidate> kept_runs() {
 }
 
 std::vector<Candidate> cameras() {
-  std::vector<Candidate> result{{"images:", "a folder of pictures"}, {"video:", "a film"}};
-  std::error_code error;
-  for (fs::directory_iterator it("/dev", error), end; !error && it != end; it.increment(error))
-    if (const std::string name = it->path().filename().string(); name.starts_with("video"))
-      result.push_back({"v4l2:/dev/" + name, "a camera"});
+  std::vector<Candidate> result;
+  for (const vision::SourceKind& kind : vision::source_kinds()) {
+    const std::string prefix = fmt::format("{}:", kind.name);
+    switch (kind.connection) {
+      case vision::Connection::file:
+      case vision::Connection::network:  // their answers take a second, too long here
+        result.push_back({prefix, std::string(kind.what)});
+        break;
+      case vision::Connection::device:
+        if (const auto connected = kind.connected())
+          for (const vision::ConnectedCamera& camera : *connected)
+            result.push_back({prefix + camera.where, camera.what});
+        break;
+    }
+  }
   return result;
 }
 

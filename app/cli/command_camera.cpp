@@ -2,7 +2,6 @@
 #include <unistd.h>
 
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "app/calibration/calibration_file.h"
@@ -12,38 +11,10 @@
 #include "app/run/interrupted.h"
 #include "app/run/output.h"
 #include "app/tools/camera_list.h"
-#include "vision/sources/network_cameras.h"
 #include "vision/sources/open_source.h"
-#include "vision/v4l2/camera_controls.h"
 
 namespace skein::app {
 namespace {
-
-std::string text_of(const vision::CameraControl& control) {
-  std::string text = fmt::format("  {} = {}", control.name, control.value);
-  if (control.choices.empty()) {
-    text += fmt::format("  ({} to {}", control.least, control.most);
-    if (control.step != 1) text += fmt::format(" in steps of {}", control.step);
-  } else {
-    std::vector<std::string> choices;
-    choices.reserve(control.choices.size());
-    for (const auto& [value, name] : control.choices) choices.push_back(fmt::format("{}: {}", value, name));
-    text += fmt::format("  ({}", fmt::join(choices, ", "));
-  }
-  return text + fmt::format("; default {}{})", control.standard, control.settable ? "" : "; cannot be set now");
-}
-
-constexpr std::string_view of_aravis = "aravis:", of_v4l2 = "v4l2:";
-
-int list_aravis(const std::string& name) {
-  const auto lines = vision::describe_network_camera(name);
-  if (!lines) {
-    complain(lines.error());
-    return device_failed;
-  }
-  fmt::print("{}\n", fmt::join(*lines, "\n"));
-  return done;
-}
 
 /// The only camera there is; else complains.
 std::string only_camera() {
@@ -55,31 +26,26 @@ std::string only_camera() {
   return {};
 }
 
-int list_one(const std::string& device) {
-  const auto camera = vision::describe_camera(device);
-  if (!camera) {
-    complain(camera.error());
+int describe_one(const std::string& camera) {
+  // "/dev/video0" alone names a camera too.
+  const auto address = vision::parse_source(camera.starts_with('/') ? "v4l2:" + camera : camera);
+  if (!address || !address->kind->describe) {
+    complain(fmt::format("{} is not a camera; allowed: {}", camera, vision::camera_forms()));
+    return wrong_input;
+  }
+  const auto lines = address->kind->describe(address->where);
+  if (!lines) {
+    complain(lines.error());
     return device_failed;
   }
-  fmt::print("{}: {} ({})\nformats:\n", device, camera->card, camera->driver);
-  for (const vision::CameraFormat& format : camera->formats) {
-    std::vector<std::string> rates;
-    rates.reserve(format.rates.size());
-    for (const double rate : format.rates) rates.push_back(fmt::format("{:.4g}", rate));
-    fmt::print("  {} {}x{}{}{}\n", format.format, format.width, format.height,
-               rates.empty() ? "" : ", frames/s: ", fmt::join(rates, " "));
-  }
-  fmt::print("controls:\n");
-  for (const vision::CameraControl& control : camera->controls) fmt::print("{}\n", text_of(control));
+  fmt::print("{}\n", fmt::join(*lines, "\n"));
   return done;
 }
 
 }  // namespace
 
 int list_cameras(const std::string& camera) {
-  if (camera.starts_with(of_aravis)) return list_aravis(camera.substr(of_aravis.size()));
-  if (camera.starts_with(of_v4l2)) return list_one(camera.substr(of_v4l2.size()));
-  if (!camera.empty()) return list_one(camera);
+  if (!camera.empty()) return describe_one(camera);
   const FoundCameras found = find_cameras();
   for (const auto& [address, what] : found.cameras) fmt::print("{}: {}\n", address, what);
   if (!found.problem.empty()) complain(found.problem);

@@ -36,6 +36,7 @@
 #include "app/run/version.h"
 #include "comms/crash_stop.h"
 #include "comms/emulator/emulate.h"
+#include "vision/sources/open_source.h"
 
 namespace skein::app {
 namespace {
@@ -228,8 +229,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
 
   CLI::App& track_command = *program.add_subcommand("track", "Finds tags in pictures, a video or a camera; no control");
   TrackRequest track_request;
-  track_command.add_option("source", track_request.source, "images:DIR, video:FILE, v4l2:DEVICE or aravis:CAMERA")
-      ->required();
+  track_command.add_option("source", track_request.source, vision::source_forms())->required();
   track_command.add_option("--camera", track_request.camera, "calibration file; without one, pixels only")
       ->type_name("CAL.TOML");
   track_command.add_option("--csv", track_request.csv, "one row per detection; default: stdout")->type_name("FILE");
@@ -264,9 +264,8 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
                                      "Examines a camera by its frames, at 25 frames/s without --rate, and prints what "
                                      "to do and a [camera] table to paste; exit status 1 if something must be fixed");
   CameraDoctorRequest camera_doctor_request;
-  camera_doctor_command.add_option(
-      "source", camera_doctor_request.source,
-      "v4l2:DEVICE, aravis:CAMERA, video:FILE, images:DIR or synthetic; default: the only camera there is");
+  camera_doctor_command.add_option("source", camera_doctor_request.source,
+                                   vision::source_forms() + " or synthetic; default: the only camera there is");
   camera_doctor_command.add_option("--camera", camera_doctor_request.camera, "its calibration file")
       ->type_name("CAL.TOML");
   camera_doctor_command.add_option("--seconds", camera_doctor_request.seconds, "how long to look [s]")

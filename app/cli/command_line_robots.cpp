@@ -5,6 +5,7 @@
 #include "app/experiment/experiment.h"
 #include "app/guard/stop_run.h"
 #include "app/manual/whole_number.h"
+#include "vision/sources/open_source.h"
 
 namespace skein::app {
 
@@ -39,11 +40,10 @@ void RobotCommands::add_to(CLI::App& program) {
               "Asks robots for version and battery, turns each wheel 10 mm, and reports their faults; with a camera it "
               "checks their tags, and drives them 6 cm and half a turn to measure their wheels");
   test_->add_option("robots", request_.words, which)->required();
-  CLI::Option* const camera =
-      test_
-          ->add_option("--camera", request_.camera,
-                       "v4l2:DEVICE or aravis:CAMERA; default: the camera of the experiment file")
-          ->type_name("SOURCE");
+  CLI::Option* const camera = test_
+                                  ->add_option("--camera", request_.camera,
+                                               vision::camera_forms() + "; default: the camera of the experiment file")
+                                  ->type_name("SOURCE");
   CLI::Option* const calibration =
       test_->add_option("--calibration", request_.calibration, "its calibration file")->type_name("CAL.TOML");
   camera->needs(calibration);

@@ -9,6 +9,7 @@
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
 #include "app/run/resources.h"
+#include "vision/sources/open_source.h"
 #include "vision/tags/tag_family.h"
 
 namespace skein::app {
@@ -52,8 +53,7 @@ void VisionCommands::add_to(CLI::App& program) {
 
   intrinsics_ = calibrate.add_subcommand(
       "intrinsics", "Focal length, centre and distortion of a camera, from pictures of a board (`skein tags board`)");
-  intrinsics_->add_option("source", intrinsics_request_.source, "images:DIR, video:FILE, v4l2:DEVICE or aravis:CAMERA")
-      ->required();
+  intrinsics_->add_option("source", intrinsics_request_.source, vision::source_forms())->required();
   intrinsics_->add_option("--out", intrinsics_request_.out, "calibration to write")->type_name("CAL.TOML")->required();
   intrinsics_->add_option("--views", intrinsics_request_.views, "largest number of views from a film or camera")
       ->check(whole_number(3, 1000))
@@ -63,7 +63,7 @@ void VisionCommands::add_to(CLI::App& program) {
   calibration_board_.add_to(*intrinsics_);
 
   const auto floor_words = [](CLI::App& command, FloorRequest& request) {
-    command.add_option("source", request.source, "images:DIR, video:FILE, v4l2:DEVICE or aravis:CAMERA")->required();
+    command.add_option("source", request.source, vision::source_forms())->required();
     command.add_option("--camera", request.camera, "calibration file")->type_name("CAL.TOML")->required();
     command
         .add_option("--marks", request.marks,

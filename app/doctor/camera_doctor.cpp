@@ -11,9 +11,9 @@
 
 #include "app/experiment/toml_places.h"
 #include "vision/diagnosis/camera_examination.h"
-#include "vision/sources/network_cameras.h"
 #include "vision/sources/open_source.h"
 #include "vision/synthetic/synthetic_camera.h"
+#include "vision/v4l2/camera_controls.h"
 
 namespace skein::app {
 namespace {
@@ -21,7 +21,6 @@ namespace {
 namespace fs = std::filesystem;
 using State = Finding::State;
 
-constexpr const char *v4l2 = "v4l2:", *aravis = "aravis:";
 constexpr double settling = 1.0;  // [s]
 
 Finding as_finding(const vision::CameraFinding& found) {
@@ -243,22 +242,26 @@ tl::expected<CameraReport, std::string> examine_camera(const CameraCase& wanted)
     report.findings.push_back({State::ill, "outages", fmt::format("{}, the last: {}", status.outages, status.reason),
                                "look at cable and power"});
   std::optional<vision::CameraDescription> driver;
-  if (wanted.source.starts_with(v4l2)) {
-    const std::string device = wanted.source.substr(std::string_view(v4l2).size());
-    if (auto described = vision::describe_camera(device)) driver = std::move(*described);
-    if (driver)
-      for (Finding& finding : driver_findings(*driver, width, height, measured.rate, wanted.needed_rate))
+  const auto address = vision::parse_source(wanted.source);  // none: "synthetic"
+  switch (address ? address->kind->connection : vision::Connection::file) {
+    case vision::Connection::file:
+      break;
+    case vision::Connection::device:
+      if (auto described = vision::describe_camera(address->where)) driver = std::move(*described);
+      if (driver)
+        for (Finding& finding : driver_findings(*driver, width, height, measured.rate, wanted.needed_rate))
+          report.findings.push_back(std::move(finding));
+      for (Finding& finding : usb_findings(wanted.system, address->where, width, height, wanted.needed_rate))
         report.findings.push_back(std::move(finding));
-    for (Finding& finding : usb_findings(wanted.system, device, width, height, wanted.needed_rate))
-      report.findings.push_back(std::move(finding));
-  }
-  if (wanted.source.starts_with(aravis)) {
-    source->reset();  // a camera that somebody reads tells nothing
-    constexpr std::string_view formats = "formats: ";
-    if (const auto lines = vision::describe_network_camera(wanted.source.substr(std::string_view(aravis).size())))
-      for (const std::string& line : *lines)
-        if (line.starts_with(formats))
-          report.findings.push_back({State::well, "formats", line.substr(formats.size()), {}});
+      break;
+    case vision::Connection::network:
+      source->reset();  // a camera that somebody reads tells nothing
+      constexpr std::string_view formats = "formats: ";
+      if (const auto lines = address->kind->describe(address->where))
+        for (const std::string& line : *lines)
+          if (line.starts_with(formats))
+            report.findings.push_back({State::well, "formats", line.substr(formats.size()), {}});
+      break;
   }
   report.table = camera_table(wanted, driver);
   return report;

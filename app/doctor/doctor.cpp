@@ -22,7 +22,8 @@
 #include "app/runs/run_index.h"
 #include "comms/link_address.h"
 #include "vision/calibration/calibration.h"
-#include "vision/sources/network_cameras.h"
+#include "vision/frames/receive_buffer.h"
+#include "vision/sources/open_source.h"
 
 namespace skein::app {
 namespace {
@@ -288,7 +289,9 @@ Findings bluetooth(const Machine& machine, const Examination& examination) {
     std::map<std::string, std::size_t> here;
     std::size_t all = 0;
     for (const RobotSpec& robot : experiment.robots)
-      if (robot.is_real() && robot.address.starts_with("rfcomm:")) ++here[robot.adapter], ++all;
+      if (const auto link = comms::parse_link_address(robot.address);
+          robot.is_real() && link && link->kind == comms::LinkKind::rfcomm)
+        ++here[robot.adapter], ++all;
     for (const auto& [adapter, count] : here) wanted[adapter] = std::max(wanted[adapter], count);
     robots = std::max(robots, all);
   }
@@ -416,28 +419,36 @@ Findings cameras(const Machine& machine, const Examination& examination) {
   }
   bool wanted = false;
   bool receivers = false;
-  std::vector<std::string> answered;  // cameras of the network
+  std::map<const vision::SourceKind*, std::vector<std::string>> answered;  // asked once: an answer takes a second
   for (const auto& [file, camera] : all_cameras(examination)) {
-    if (camera.kind() != CameraKind::live) continue;
-    const std::string& source = camera.source;
-    const std::string device = source.substr(source.find(':') + 1);
-    if (source.starts_with("aravis:")) {
-      if (answered.empty()) answered = machine.network_cameras();
-      const bool there = std::find(answered.begin(), answered.end(), device) != answered.end();
-      if (there) {
-        names.push_back(device);
-        receivers = true;
-      } else {
-        result.push_back({State::ill, device, fmt::format("does not answer; {} sees its robots with it", file),
-                          "plug it in, or name another: skein camera list"});
+    const auto address = vision::parse_source(camera.source);
+    if (!address) continue;  // "none", "synthetic"
+    const std::string& name = address->where;
+    switch (address->kind->connection) {
+      case vision::Connection::file:
+        break;
+      case vision::Connection::network: {
+        const auto [of_kind, first] = answered.try_emplace(address->kind);
+        std::vector<std::string>& there = of_kind->second;
+        if (first) there = machine.network_cameras(*address->kind);
+        if (std::find(there.begin(), there.end(), name) != there.end()) {
+          names.push_back(name);
+          receivers = true;
+        } else {
+          result.push_back({State::ill, name, fmt::format("does not answer; {} sees its robots with it", file),
+                            "plug it in, or name another: skein camera list"});
+        }
+        break;
       }
-      continue;
+      case vision::Connection::device: {
+        wanted = true;
+        std::error_code error;
+        if (!devices.empty() && !fs::exists(below(machine, name), error))
+          result.push_back({State::ill, name, fmt::format("is not there; {} uses it", file),
+                            "plug it in, or name another: skein camera list"});
+        break;
+      }
     }
-    wanted = true;
-    std::error_code error;
-    if (!devices.empty() && !fs::exists(below(machine, device), error))
-      result.push_back({State::ill, device, fmt::format("is not there; {} uses it", file),
-                        "plug it in, or name another: skein camera list"});
   }
   if (devices.empty() && (wanted || (names.empty() && result.empty())))
     result.push_back({wanted ? State::ill : State::note, "camera", "none", "plug one in; skein camera list shows it"});

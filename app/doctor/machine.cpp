@@ -27,7 +27,7 @@
 #include "app/session/bare_thread.h"
 #include "comms/bluez_bus.h"
 #include "vision/sources/modules_present.h"
-#include "vision/sources/network_cameras.h"
+#include "vision/sources/open_source.h"
 
 extern char** environ;  // NOLINT: POSIX declares it nowhere
 
@@ -161,13 +161,13 @@ Machine this_machine() {
     for (const RunMarker& marker : bad_ends()) names.push_back(marker.experiment);
     return names;
   };
-  machine.network_cameras = [] {
+  machine.network_cameras = [](const vision::SourceKind& kind) {
     std::vector<std::string> names;
-    const auto cameras = vision::network_cameras();
+    const auto cameras = kind.connected();
     if (!cameras) return names;
-    for (const vision::NetworkCamera& camera : *cameras) {
-      names.push_back(camera.name);
-      names.push_back(camera.address);
+    for (const vision::ConnectedCamera& camera : *cameras) {
+      names.push_back(camera.where);
+      names.push_back(camera.also);
     }
     return names;
   };

@@ -11,6 +11,7 @@
 
 #include "app/experiment/experiment.h"
 #include "app/run/timing.h"
+#include "vision/sources/open_source.h"
 
 namespace skein::app {
 
@@ -50,8 +51,8 @@ struct Machine {
   /// Starts an experiment's own controller as a run does, and ends it; the error, one line, says why it cannot start.
   std::function<tl::expected<void, std::string>(const Experiment&)> start_controller;
   std::function<std::vector<std::string>()> bad_ends;  ///< names of runs that ended badly, see run_marker.h
-  /// Names and addresses of the GigE and USB3 Vision cameras that answer; takes a second.
-  std::function<std::vector<std::string>()> network_cameras;
+  /// Names and network addresses of the cameras of this kind that answer; takes a second.
+  std::function<std::vector<std::string>(const vision::SourceKind& kind)> network_cameras;
   /// Whether the modules can be loaded: films, boards, Aravis.
   std::function<tl::expected<void, std::string>()> modules;
   std::function<bool(const std::string& program)> has_program;          ///< on the PATH

@@ -2,35 +2,26 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <exception>
-#include <filesystem>
 #include <memory>
 
 #include "app/tools/aside.h"
-#include "vision/sources/network_cameras.h"
-#include "vision/v4l2/camera_controls.h"
+#include "vision/sources/open_source.h"
 
 namespace skein::app {
 
 FoundCameras find_cameras() {
   FoundCameras found;
-  std::vector<std::string> devices;
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator("/dev", error))
-    if (entry.path().filename().string().starts_with("video")) devices.push_back(entry.path().string());
-  std::sort(devices.begin(), devices.end());
-  for (const std::string& device : devices)
-    if (const auto camera = vision::describe_camera(device))
-      found.cameras.push_back({"v4l2:" + device, fmt::format("{} ({})", camera->card, camera->driver)});
-  const auto answering = vision::network_cameras();
-  if (!answering) {
-    found.problem = answering.error();
-    return found;
+  for (const vision::SourceKind& kind : vision::source_kinds()) {
+    if (!kind.connected) continue;
+    const auto connected = kind.connected();
+    if (!connected) {
+      found.problem = connected.error();
+      continue;
+    }
+    for (const vision::ConnectedCamera& camera : *connected)
+      found.cameras.push_back({fmt::format("{}:{}", kind.name, camera.where), camera.what});
   }
-  for (const vision::NetworkCamera& camera : *answering)
-    found.cameras.push_back(
-        {"aravis:" + camera.name, fmt::format("{} ({}, {})", camera.model, camera.protocol, camera.address)});
   return found;
 }
 

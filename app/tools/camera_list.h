@@ -13,8 +13,8 @@ struct FoundCamera {
 };
 
 struct FoundCameras {
-  std::vector<FoundCamera> cameras;  ///< those of the kernel, then those that answer in the network and on USB3 Vision
-  std::string problem{};             ///< why network and USB3 Vision cameras could not be searched; empty: none
+  std::vector<FoundCamera> cameras;  ///< in the order of vision::source_kinds()
+  std::string problem{};             ///< why some could not be searched; empty: none
 };
 
 /// Takes about a second.

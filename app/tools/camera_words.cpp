@@ -54,8 +54,12 @@ tl::expected<vision::SourceOptions, std::string> CameraWords::read(const std::st
                                               : nullptr;
   if (word != nullptr && !vision::is_camera(source))
     return tl::unexpected(
-        fmt::format("{}: {} is not a camera; allowed with {}: v4l2:DEVICE, aravis:CAMERA", word, source, word));
+        fmt::format("{}: {} is not a camera; allowed with {}: {}", word, source, word, vision::camera_forms()));
   return options;
+}
+
+std::string source_forms() {
+  return vision::source_forms();
 }
 
 std::string wrong_source(const std::string& source) {

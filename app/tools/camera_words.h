@@ -28,6 +28,9 @@ struct CameraWords {
   tl::expected<vision::SourceOptions, std::string> read(const std::string& source) const;
 };
 
+/// What a source may look like, for help: "images:DIR, video:FILE, ...".
+std::string source_forms();
+
 /// None, or why `source` can never be opened.
 std::string wrong_source(const std::string& source);
 

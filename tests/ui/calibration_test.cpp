@@ -36,6 +36,8 @@ TEST_F(Calibration, ShowsViewsWithTheirErrorsAndWritesTheFile) {
   ASSERT_TRUE(board::save_views(QDir(dir.path())));
   start();
   CalibrationDialog* dialog = open_dialog();
+  EXPECT_EQ(find<QLineEdit>("calibration_source")->toolTip(),
+            QStringLiteral("images:DIR, video:FILE, v4l2:DEVICE, aravis:CAMERA"));
   find<QLineEdit>("calibration_source")->setText(QStringLiteral("images:") + dir.path());
   find<QComboBox>("calibration_board")->setCurrentIndex(1);
   find<QSpinBox>("calibration_columns")->setValue(board::columns);

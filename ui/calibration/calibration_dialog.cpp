@@ -8,6 +8,7 @@
 #include <QVBoxLayout>
 #include <cmath>
 
+#include "app/tools/camera_words.h"
 #include "ui/base/dialogs.h"
 
 namespace skein::ui {
@@ -102,7 +103,7 @@ CalibrationDialog::CalibrationDialog(const app::CalibratedCamera& camera, const 
   auto* right = new QVBoxLayout;
   source_->setObjectName(QStringLiteral("calibration_source"));
   source_->setAccessibleName(tr("Camera"));
-  source_->setToolTip(tr("v4l2:DEVICE, images:DIRECTORY or video:FILE"));
+  source_->setToolTip(QString::fromStdString(app::source_forms()));
   file_->setObjectName(QStringLiteral("calibration_file"));
   file_->setAccessibleName(tr("Calibration file"));
   file_->setToolTip(tr("Its name goes into the experiment file, as camera.calibration"));

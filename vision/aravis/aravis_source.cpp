@@ -19,7 +19,9 @@
 #include "vision/aravis/aravis_controls.h"
 #include "vision/aravis/device_clock.h"
 #include "vision/aravis/genicam.h"
+#include "vision/frames/camera_patience.h"
 #include "vision/frames/pixels.h"
+#include "vision/frames/receive_buffer.h"
 
 namespace skein::vision::detail {
 namespace {
@@ -33,16 +35,11 @@ constexpr guint buffered_frames = 2;
 // Below that of the control thread's ticks, above that of its poses.
 constexpr int receiver_priority = 15;
 
-// Opening the shutter and settling the exposure takes cameras a second or two. [s]
-constexpr double first_frame_wait = 5.0;
-
-// Frame times without a frame after which the camera counts as stuck, and the least wait: to open a camera anew takes a
-// second and more, which a hiccup of the network is not worth. [frames, s]
-constexpr double stall_frames = 3.0;
+// The shortest time without a frame after which the camera counts as stuck: to open a camera anew takes a second and
+// more, which a hiccup of the network is not worth. [s]
 constexpr double least_stall_wait = 0.25;
 
-// Between two attempts to open a camera that has gone, and between two looks whether anybody still waits for it. [s]
-constexpr double reopen_pause = 0.1;
+// Between two looks whether anybody still waits for a camera. [s]
 constexpr double look = 0.05;
 
 // An incomplete frame holds back those behind it: packets are asked for again no longer than the next frame takes. [s]
@@ -88,11 +85,6 @@ constexpr std::array formats{
     PixelKind{ARV_PIXEL_FORMAT_BGR_8_PACKED, grey_from_rgb, 24},
 };
 
-double monotonic_now() {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 /// How much the kernel holds at most for a program that receives; 0: unknown. [bytes]
 long receive_buffer_limit() {
   long bytes = 0;
@@ -166,8 +158,6 @@ class AravisSource final : public FrameSource {
   }
 
  private:
-  static constexpr int max_damaged = 25;
-
   // Aravis's thread.
   static void on_control_lost(ArvDevice*, std::atomic<bool>* lost) { lost->store(true, std::memory_order_relaxed); }
 
@@ -303,7 +293,6 @@ class AravisSource final : public FrameSource {
     if (free && options_.rate > 0.0) arv_camera_set_frame_rate(camera_.get(), options_.rate, &failed);
     const double given = free ? arv_camera_get_frame_rate(camera_.get(), &failed) : options_.rate;
     if (given > 0.0) period_ = 1.0 / given;
-    constexpr double as_good = 0.99;  // 29.97 is 30
     if (free && given > 0.0 && given < as_good * options_.rate)
       notices.push_back(fmt::format("{}: gives {:.3g} frames/s at {}x{} {}, not {:.3g}", address(), given, width_,
                                     height_, format_, options_.rate));

@@ -35,11 +35,6 @@ struct Aravis {
   CameraSettings (*settings)(const std::string& camera, const ControlSettings& set, std::string& error);
 };
 
-/// The kernel's limit on a program's receive buffer, and a size that is enough for several frames of every camera.
-/// Debian's default holds a sixth of a megapixel. [bytes]
-inline constexpr const char* receive_buffer_setting = "/proc/sys/net/core/rmem_max";
-inline constexpr long good_receive_buffer_limit = 32L << 20;
-
 /// Carries a number for the same reason as media_symbol; SourceOptions counts too.
 inline constexpr const char* aravis_symbol = "skein_aravis_4";
 

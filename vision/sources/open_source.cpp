@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
+#include <system_error>
 
 #include "vision/modules/media_loader.h"
 #include "vision/v4l2/camera_controls.h"
@@ -43,6 +45,27 @@ Opened open_aravis(const std::string& camera, const SourceOptions& options) {
   if (!opened) return tl::unexpected(error);
   return opened;
 }
+tl::expected<std::vector<ConnectedCamera>, std::string> connected_devices() {
+  std::vector<std::string> devices;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator("/dev", error))
+    if (entry.path().filename().string().starts_with("video")) devices.push_back(entry.path().string());
+  std::sort(devices.begin(), devices.end());
+  std::vector<ConnectedCamera> cameras;
+  for (const std::string& device : devices)
+    if (const auto camera = describe_camera(device))
+      cameras.push_back({.where = device, .what = fmt::format("{} ({})", camera->card, camera->driver)});
+  return cameras;
+}
+tl::expected<std::vector<std::string>, std::string> describe_device(const std::string& device) {
+  const auto camera = describe_camera(device);
+  if (!camera) return tl::unexpected(camera.error());
+  std::vector<std::string> lines{fmt::format("{}: {} ({})", device, camera->card, camera->driver), "formats:"};
+  for (const CameraFormat& format : camera->formats) lines.push_back("  " + to_text(format));
+  lines.emplace_back("controls:");
+  for (const CameraControl& control : camera->controls) lines.push_back("  " + to_text(control));
+  return lines;
+}
 tl::expected<CameraSettings, std::string> settings_of_aravis(const std::string& camera, const ControlSettings& set) {
   const auto module = aravis();
   if (!module) return tl::unexpected(module.error());
@@ -52,12 +75,69 @@ tl::expected<CameraSettings, std::string> settings_of_aravis(const std::string& 
   return settings;
 }
 
+tl::expected<std::vector<ConnectedCamera>, std::string> connected_to_aravis() {
+  const auto module = aravis();
+  if (!module) return tl::unexpected(module.error());
+  std::vector<ConnectedCamera> cameras;
+  for (const NetworkCamera& camera : (*module)->discover())
+    cameras.push_back({.where = camera.name,
+                       .also = camera.address,
+                       .what = fmt::format("{} ({}, {})", camera.model, camera.protocol, camera.address)});
+  return cameras;
+}
+tl::expected<std::vector<std::string>, std::string> describe_aravis(const std::string& camera) {
+  const auto module = aravis();
+  if (!module) return tl::unexpected(module.error());
+  std::string error;
+  std::vector<std::string> lines = (*module)->describe(camera, error);
+  if (!error.empty()) return tl::unexpected(error);
+  return lines;
+}
+
 constexpr std::array kinds{
-    SourceKind{"images", "DIR", false, false, open_images, nullptr, false},
-    SourceKind{"video", "FILE", false, false, open_video, nullptr, false},
-    SourceKind{"v4l2", "DEVICE", true, false, open_camera, settings_of_camera, true},
-    SourceKind{"aravis", "CAMERA", true, true, open_aravis, settings_of_aravis, false},
+    SourceKind{.name = "images",
+               .where = "DIR",
+               .what = "a folder of pictures",
+               .connection = Connection::file,
+               .open = open_images},
+    SourceKind{.name = "video", .where = "FILE", .what = "a film", .connection = Connection::file, .open = open_video},
+    SourceKind{.name = "v4l2",
+               .where = "DEVICE",
+               .what = "a camera of the kernel",
+               .connection = Connection::device,
+               .open = open_camera,
+               .settings = settings_of_camera,
+               .connected = connected_devices,
+               .describe = describe_device,
+               .settable_while_read = true},
+    SourceKind{.name = "aravis",
+               .where = "CAMERA",
+               .what = "a GigE Vision or USB3 Vision camera",
+               .connection = Connection::network,
+               .open = open_aravis,
+               .settings = settings_of_aravis,
+               .connected = connected_to_aravis,
+               .describe = describe_aravis,
+               .triggers = true},
 };
+
+static_assert(std::ranges::all_of(kinds,
+                                  [](const SourceKind& kind) {
+                                    const bool camera = kind.connection != Connection::file;
+                                    return camera == (kind.settings != nullptr) &&
+                                           camera == (kind.connected != nullptr) &&
+                                           camera == (kind.describe != nullptr);
+                                  }),
+              "a camera can be set, found and described; films and pictures cannot");
+
+/// "KIND:WHERE" of the kinds that `wanted` selects, separated by commas.
+template <typename Wanted>
+std::string forms_of(const Wanted& wanted) {
+  std::string forms;
+  for (const SourceKind& kind : kinds)
+    if (wanted(kind)) forms += fmt::format("{}{}:{}", forms.empty() ? "" : ", ", kind.name, kind.where);
+  return forms;
+}
 
 }  // namespace
 
@@ -81,10 +161,11 @@ bool is_camera(std::string_view address) {
 }
 
 std::string source_forms() {
-  std::string forms;
-  for (const SourceKind& kind : kinds)
-    forms += fmt::format("{}{}:{}", forms.empty() ? "" : ", ", kind.name, kind.where);
-  return forms;
+  return forms_of([](const SourceKind&) { return true; });
+}
+
+std::string camera_forms() {
+  return forms_of([](const SourceKind& kind) { return kind.connection != Connection::file; });
 }
 
 tl::expected<std::unique_ptr<FrameSource>, std::string> open_source(std::string_view address,
@@ -92,8 +173,8 @@ tl::expected<std::unique_ptr<FrameSource>, std::string> open_source(std::string_
   const auto parsed = parse_source(address);
   if (!parsed) return tl::unexpected(parsed.error());
   if (!options.trigger.empty() && !parsed->kind->triggers)
-    return tl::unexpected(fmt::format("{}: trigger \"{}\"; only cameras of the kind aravis:CAMERA can be triggered",
-                                      address, options.trigger));
+    return tl::unexpected(fmt::format("{}: trigger \"{}\"; only cameras of the kind {} can be triggered", address,
+                                      options.trigger, forms_of([](const SourceKind& kind) { return kind.triggers; })));
   return parsed->kind->open(parsed->where, options);
 }
 
@@ -101,7 +182,7 @@ tl::expected<CameraSettings, std::string> camera_settings(std::string_view addre
   const auto parsed = parse_source(address);
   if (!parsed) return tl::unexpected(parsed.error());
   if (!parsed->kind->settings)
-    return tl::unexpected(fmt::format("{} is not a camera; allowed: v4l2:DEVICE, aravis:CAMERA", address));
+    return tl::unexpected(fmt::format("{} is not a camera; allowed: {}", address, camera_forms()));
   return parsed->kind->settings(parsed->where, set);
 }
 

@@ -184,6 +184,28 @@ std::string names_of(const std::vector<CameraControl>& controls) {
 
 }  // namespace
 
+std::string to_text(const CameraFormat& format) {
+  std::vector<std::string> rates;
+  rates.reserve(format.rates.size());
+  for (const double rate : format.rates) rates.push_back(fmt::format("{:.4g}", rate));
+  return fmt::format("{} {}x{}{}{}", format.format, format.width, format.height,
+                     rates.empty() ? "" : ", frames/s: ", fmt::join(rates, " "));
+}
+
+std::string to_text(const CameraControl& control) {
+  std::string text = fmt::format("{} = {}", control.name, control.value);
+  if (control.choices.empty()) {
+    text += fmt::format("  ({} to {}", control.least, control.most);
+    if (control.step != 1) text += fmt::format(" in steps of {}", control.step);
+  } else {
+    std::vector<std::string> choices;
+    choices.reserve(control.choices.size());
+    for (const auto& [value, name] : control.choices) choices.push_back(fmt::format("{}: {}", value, name));
+    text += fmt::format("  ({}", fmt::join(choices, ", "));
+  }
+  return text + fmt::format("; default {}{})", control.standard, control.settable ? "" : "; cannot be set now");
+}
+
 tl::expected<CameraDescription, std::string> describe_camera(const std::string& path, V4l2Kernel& kernel) {
   V4l2Device device(path, kernel);
   if (std::string problem = device.open(); !problem.empty()) return tl::unexpected(problem);

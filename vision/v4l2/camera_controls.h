@@ -42,6 +42,11 @@ struct CameraDescription {
   std::vector<CameraControl> controls{};
 };
 
+/// A line for the operator: "YUYV 640x480, frames/s: 30 25".
+std::string to_text(const CameraFormat& format);
+/// The same of a control: "gain = 10  (0 to 255; default 32)".
+std::string to_text(const CameraControl& control);
+
 /// A camera's modes and settings. Does not disturb a reader of its frames.
 tl::expected<CameraDescription, std::string> describe_camera(const std::string& device,
                                                              V4l2Kernel& kernel = system_kernel());

@@ -7,6 +7,8 @@
 #include <array>
 #include <limits>
 
+#include "vision/frames/camera_patience.h"
+
 namespace skein::vision::detail {
 namespace {
 
@@ -103,7 +105,6 @@ tl::expected<const PixelFormat*, std::string> choose_format(const V4l2Device& de
   const PixelFormat* best = nullptr;
   const PixelFormat* of_any_size = nullptr;
   double best_rate = 0.0;
-  constexpr double as_good = 0.99;  // 29.97 is 30
   for (const PixelFormat& format : formats) {
     if (std::find(offered.begin(), offered.end(), format.number) == offered.end()) continue;
     if (!wanted.format.empty() && four_letters(format.number) != wanted.format) continue;

@@ -13,6 +13,7 @@
 #include <optional>
 #include <utility>
 
+#include "vision/frames/camera_patience.h"
 #include "vision/frames/frame.h"
 #include "vision/modules/media_loader.h"
 #include "vision/v4l2/camera_controls.h"
@@ -25,18 +26,11 @@ namespace {
 // Enough for the driver to fill one while one is read and one waits; more would only hold older frames.
 constexpr unsigned buffers_wanted = 4;
 
-// Opening the shutter and settling the exposure takes webcams a second or two. [s]
-constexpr double first_frame_wait = 5.0;
-
-// Frame times without a frame after which the camera counts as stuck, and the least wait. [frames, s]
-constexpr double stall_frames = 3.0;
+// The shortest time without a frame after which the camera counts as stuck. [s]
 constexpr double least_stall_wait = 0.02;
 
 // From one look at the exposure and at automatics that are on to the next.
 constexpr std::int64_t frames_between_looks = 25;
-
-// Between two attempts to open a camera that has gone. [s]
-constexpr double reopen_pause = 0.1;
 
 using detail::four_letters;
 
@@ -99,7 +93,6 @@ class V4l2Camera final : public FrameSource {
     void* start;
     std::size_t length;
   };
-  static constexpr int max_damaged = 25;
 
   void close() {
     if (streaming_) {
@@ -129,7 +122,6 @@ class V4l2Camera final : public FrameSource {
 
   /// Empty, or that the camera gives fewer frames than it was asked for.
   std::string slow_rate() const {
-    constexpr double as_good = 0.99;  // 29.97 is 30
     if (options_.rate <= 0.0 || 1.0 / period_ >= as_good * options_.rate) return {};
     return fmt::format("{}: delivers {:.3g} frames/s at {}x{} {}, not {:.3g}", device_.path(), 1.0 / period_, width_,
                        height_, four_letters(format_), options_.rate);
@@ -384,11 +376,6 @@ class V4l2Camera final : public FrameSource {
         break;
     }
     return arrived_at - options_.readout - half;
-  }
-  static double monotonic_now() {
-    timespec now{};
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
   }
 
   detail::V4l2Device device_;

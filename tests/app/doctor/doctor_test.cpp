@@ -235,6 +235,12 @@ const Fault faults[] = {
      }},
     {"TooManyRobots", State::ill, "1 adapter on: 7 robots at most, 8 wanted",
      [](Patient& p) { p.lab().robots.resize(9, p.lab().robots[1]); }},
+    {"AdapterOfAnOpenRobotGone", State::ill, "Bluetooth: no adapter",
+     [](Patient& p) {
+       p.lab().robots.resize(2);
+       p.lab().robots[1].address = "open+rfcomm:10:00:E8:AA:BB:01/1";
+       p.remove("/sys/class/bluetooth");
+     }},
     {"AdapterUnknown", State::ill, "Bluetooth hci3: an experiment names it",
      [](Patient& p) { p.lab().robots[1].adapter = "hci3"; }},
     {"ModemManager", State::note, "ModemManager", [](Patient& p) { p.write("/proc/800/comm", "ModemManager\n"); }},
@@ -247,12 +253,12 @@ const Fault faults[] = {
     {"NetworkCameraSilent", State::ill, "Basler-1: does not answer",
      [](Patient& p) {
        p.lab().camera.source = "aravis:Basler-1";
-       p.machine.network_cameras = [] { return std::vector<std::string>{"Basler-2", "192.168.3.7"}; };
+       p.machine.network_cameras = [](const auto&) { return std::vector<std::string>{"Basler-2", "192.168.3.7"}; };
      }},
     {"ReceiveBufferBelowAFrame", State::note, "receive buffer: 212992 bytes",
      [](Patient& p) {
        p.lab().camera.source = "aravis:Basler-2";
-       p.machine.network_cameras = [] { return std::vector<std::string>{"Basler-2", "192.168.3.7"}; };
+       p.machine.network_cameras = [](const auto&) { return std::vector<std::string>{"Basler-2", "192.168.3.7"}; };
        p.write("/proc/sys/net/core/rmem_max", "212992\n");
      }},
     {"NoCalibration", State::ill, "calibration: ", [](Patient& p) { p.remove("/cal.toml"); }},
@@ -308,7 +314,7 @@ TEST(Doctor, ANetworkCameraThatAnswersIsWellWithoutADevice) {
     Patient patient;
     patient.remove("/sys/class/video4linux");
     patient.lab().camera.source = source;
-    patient.machine.network_cameras = [] { return std::vector<std::string>{"Basler-2", "192.168.3.7"}; };
+    patient.machine.network_cameras = [](const auto&) { return std::vector<std::string>{"Basler-2", "192.168.3.7"}; };
     EXPECT_EQ(patient.complaints(), std::vector<std::string>()) << source;
   }
 }

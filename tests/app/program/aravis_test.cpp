@@ -22,7 +22,7 @@
 #include "tests/places.h"
 #include "tests/vision/aravis/fake_gige.h"
 #include "vision/calibration/calibration.h"
-#include "vision/modules/aravis.h"
+#include "vision/frames/receive_buffer.h"
 
 namespace {
 

@@ -285,6 +285,15 @@ TEST(CommandLine, WhatIsAskedOfACameraIsAskedOfACamera) {
             "skein: --size 640; allowed: WIDTHxHEIGHT, such as 1280x960\n");
   EXPECT_EQ(refusal({"track", "v4l2:/dev/nowhere", "--set", "exposure"}),
             "skein: --set \"exposure\"; allowed: name=number, such as exposure=0.005\n");
+  EXPECT_EQ(refusal({"camera", "list", "images:."}),
+            "skein: images:. is not a camera; allowed: v4l2:DEVICE, aravis:CAMERA\n");
+  EXPECT_EQ(refusal({"camera", "list", "webcam:0"}),
+            "skein: webcam:0 is not a camera; allowed: v4l2:DEVICE, aravis:CAMERA\n");
+  for (const char* address : {"/dev/nowhere", "v4l2:/dev/nowhere"}) {
+    const Result gone = skein({"camera", "list", address});
+    EXPECT_EQ(gone.status, 3);
+    EXPECT_EQ(gone.err, "skein: /dev/nowhere: cannot be opened (No such file or directory)\n");
+  }
   const Result missing = skein(
       {"calibrate", "intrinsics", "v4l2:/dev/nowhere", "--out", "c.toml", "--size", "640x480", "--set", "focus=3"});
   EXPECT_EQ(missing.status, 3) << missing.err;

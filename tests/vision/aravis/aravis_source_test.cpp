@@ -13,6 +13,7 @@
 
 #include "tests/vision/aravis/fake_gige.h"
 #include "tests/vision/support.h"
+#include "vision/frames/receive_buffer.h"
 #include "vision/modules/aravis.h"
 #include "vision/modules/media_loader.h"
 #include "vision/sources/open_source.h"
