@@ -20,6 +20,7 @@
 #include "app/run/resources.h"
 #include "core/controllers/independent.h"
 #include "core/estimation/identification.h"
+#include "core/estimation/statistics.h"
 #include "core/kinematics/step_rate.h"
 #include "core/kinematics/unicycle.h"
 #include "core/safety/limits.h"
@@ -206,12 +207,6 @@ std::vector<Outcome> study(const Manoeuvre& manoeuvre, const IdentifyBench& benc
   return outcomes;
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// True where all intervals hold as often as they say.
 bool print(const Manoeuvre& manoeuvre, const IdentifyBench& bench, const std::vector<Outcome>& outcomes) {
   constexpr double fewest = 0.93, most = 0.97;
@@ -224,7 +219,7 @@ bool print(const Manoeuvre& manoeuvre, const IdentifyBench& bench, const std::ve
     shares.push_back(o.drift_before / o.drift_after);
   }
   fmt::print("\nmanoeuvre: {}\nruns: {}\nseconds: {:.1f}\ndriven: {:.2f} m\nturned: {:.1f} rad\nnot_converged: {}\n",
-             manoeuvre.name, outcomes.size(), manoeuvre.seconds, median(ways), median(turns), failed);
+             manoeuvre.name, outcomes.size(), manoeuvre.seconds, core::median(ways), core::median(turns), failed);
   fmt::print("{:<15} {:>9} {:>12} {:>14} {:>7}\n", "parameter", "covered", "half width", "largest", "known");
   bool good = failed == 0;
   const auto row = [&](std::string_view name, const auto& estimate_of, const auto& truth, bool relative) {
@@ -239,7 +234,7 @@ bool print(const Manoeuvre& manoeuvre, const IdentifyBench& bench, const std::ve
     }
     const double all = static_cast<double>(outcomes.size()), share = static_cast<double>(covered) / all;
     good = good && share >= fewest && share <= most;
-    const double unit = relative ? 100.0 : 1.0, half = unit * median(widths);
+    const double unit = relative ? 100.0 : 1.0, half = unit * core::median(widths);
     const double largest = unit * *std::max_element(widths.begin(), widths.end());
     fmt::print("{:<15} {:>7.1f} % {:>10.3g} {} {:>12.3g} {} {:>5.0f} %\n", name, 100.0 * share, half,
                relative ? '%' : ' ', largest, relative ? '%' : ' ', 100.0 * static_cast<double>(known) / all);
@@ -268,7 +263,7 @@ bool print(const Manoeuvre& manoeuvre, const IdentifyBench& bench, const std::ve
     }
     const auto all = static_cast<double>(outcomes.size());
     fmt::print("rms_error_{}: wheel_ratio {:.3f} %, track {:.3f} %; drift_60_s {:.1f} mm (median)\n", name,
-               100.0 * std::sqrt(ratio / all), 100.0 * std::sqrt(track / all), 1e3 * median(drifts));
+               100.0 * std::sqrt(ratio / all), 100.0 * std::sqrt(track / all), 1e3 * core::median(drifts));
   };
   error_of("drawn", [](const Outcome&) { return core::DifferentialDrive{}; });
   error_of("identify", [](const Outcome& o) { return o.found.drive({}); });
@@ -277,7 +272,7 @@ bool print(const Manoeuvre& manoeuvre, const IdentifyBench& bench, const std::ve
     error_of("umbmark_again", [](const Outcome& o) { return o.umbmark_again; });
   }
   fmt::print("drift_60_s: {:.1f} mm as drawn, {:.2f} mm as identified: {:.0f} times less (medians)\n",
-             1e3 * median(before), 1e3 * median(after), median(before) / median(after));
+             1e3 * core::median(before), 1e3 * core::median(after), core::median(before) / core::median(after));
   fmt::print("drift_cut_20_times: {:.1f} % of the robots\n",
              100.0 *
                  static_cast<double>(std::count_if(shares.begin(), shares.end(), [](double s) { return s >= 20.0; })) /

@@ -37,10 +37,6 @@ constexpr int poll_every = 100, poll_often = 20;        // [ms]
 constexpr std::int64_t frozen_after = 800'000'000;      // a guard that has not beaten for so long does not guard [ns]
 constexpr std::int64_t between_guards = 1'000'000'000;  // one that cannot live is not started all the time [ns]
 
-bool stand(const std::vector<StopResult>& robots) {
-  return std::all_of(robots.begin(), robots.end(), [](const StopResult& robot) { return robot.stopped; });
-}
-
 }  // namespace
 
 /// Everything but the guard's process; its thread uses it, so that it cannot move.
@@ -245,7 +241,7 @@ std::vector<StopResult> SafetyNet::Keeper::results() {
 void SafetyNet::Keeper::done(const std::vector<StopResult>& robots) {
   on_stop({}, {});
   end_thread();
-  const bool well = stand(robots);
+  const bool well = all_stand(robots);
   if (well) {
     GuardMessage all_is_well;
     if (guard_socket_ >= 0) comms::send_to_guard(guard_socket_, all_is_well, -1);

@@ -68,10 +68,6 @@ std::vector<StopResult> all_of(const RunMarker& run, bool stopped, const std::st
   return all;
 }
 
-bool they_stand(const std::vector<StopResult>& robots) {
-  return std::all_of(robots.begin(), robots.end(), [](const StopResult& robot) { return robot.stopped; });
-}
-
 /// The guard of this run, frozen or not.
 std::unique_ptr<Process> guard_of(const RunMarker& run) {
   namespace fs = std::filesystem;
@@ -125,7 +121,7 @@ StoppedRun stop_run(const RunMarker& run) {
       robots = *answer.robots;
       heard = Clock::now();
       // A guard names those alone that it had to reach anew.
-      if (they_stand(robots)) return {robots.size() < run.robots.size() ? all_of(run, true, {}) : robots, false};
+      if (all_stand(robots)) return {robots.size() < run.robots.size() ? all_of(run, true, {}) : robots, false};
     }
     if (Clock::now() > give_up) return {robots, false};
     if (answer.reached) continue;
@@ -147,14 +143,14 @@ StoppedRun stop_run(const RunMarker& run) {
 }
 
 bool stop_left_behind(const std::vector<RunMarker>& runs) {
-  bool all_stand = true;
+  bool every_run_stands = true;
   for (const RunMarker& run : runs) {
     const StoppedRun result = stop_run(run);
-    const bool stand = result.by_hand ? stop_all(run.robots) : they_stand(result.robots);
+    const bool stand = result.by_hand ? stop_all(run.robots) : all_stand(result.robots);
     if (stand && !run.alive()) run.forget();
-    all_stand = all_stand && stand;
+    every_run_stands = every_run_stands && stand;
   }
-  return all_stand;
+  return every_run_stands;
 }
 
 int stop_runs() {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <sys/types.h>
+#include <algorithm>
 #include <functional>
 #include <optional>
 #include <string>
@@ -18,6 +19,10 @@ struct StopResult {
   bool stopped = false;
   std::string reason{};  ///< why it is not known to stand, if so
 };
+
+inline bool all_stand(const std::vector<StopResult>& robots) {
+  return std::all_of(robots.begin(), robots.end(), [](const StopResult& robot) { return robot.stopped; });
+}
 
 /// The socket beside a run's marker, through which every program of the same user can stop the run, or the guard that
 /// continues after it: `skein stop`. Input: one word, "stop" or "forget"; output: "stopping", then one line for each

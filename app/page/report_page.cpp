@@ -114,8 +114,6 @@ class Film {
   }
 
  private:
-  /// Where a robot really was, as far as anybody knows.
-  static core::Pose place(const RobotRecord& robot) { return std::isfinite(robot.truth.x) ? robot.truth : robot.pose; }
   void include(double x, double y) {
     if (!std::isfinite(x + y)) return;
     left_ = std::min(left_, x), right_ = std::max(right_, x);

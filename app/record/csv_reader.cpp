@@ -9,13 +9,13 @@
 #include <unordered_map>
 
 #include "app/experiment/experiment_file.h"
+#include "app/experiment/experiment_robots.h"
 #include "app/record/csv_columns.h"
 #include "core/words.h"
 
 namespace skein::app {
 namespace {
 
-constexpr std::size_t most_robots = 64;                     // as in an experiment
 constexpr std::size_t longest_line = std::size_t{4} << 20;  // 64 robots with all gains of pairs take 200 kB
 constexpr double largest = 1e9;  // of any unit that is recorded: what is more is no measurement
 

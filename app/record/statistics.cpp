@@ -15,7 +15,7 @@ constexpr double arrived_within = 0.01;    // [m]
 constexpr std::size_t most_exact = 20'000, most_events = 10'000, most_described = 1000;
 
 /// Where a robot is, as well as it is known; nothing of one that was never seen.
-core::Pose place(const RobotRecord& robot) noexcept {
+core::Pose known_place(const RobotRecord& robot) noexcept {
   if (!std::isnan(robot.truth.x)) return robot.truth;
   const bool seen = robot.measurement.captured_at > core::Measurement{}.captured_at;
   return seen ? robot.pose : core::Pose{none, none, none};
@@ -148,15 +148,15 @@ void Statistics::count_collisions(const TickRecord& record) {
     if (!runs_away(i) && !runs_away(j)) return so_far_.collisions;
     if (runs_away(i) && runs_away(j)) return none_of_ours;
     const auto [obeys, other] = runs_away(i) ? std::pair(j, i) : std::pair(i, j);
-    const core::Pose from = place(record.robots[obeys]), to = place(record.robots[other]);
+    const core::Pose from = known_place(record.robots[obeys]), to = known_place(record.robots[other]);
     const double ahead = (to.x - from.x) * std::cos(from.theta) + (to.y - from.y) * std::sin(from.theta);
     return drove_[obeys] * ahead > 1e-3 * core::distance(from, to) ? so_far_.collisions : *so_far_.run_into;
   };
   for (std::size_t i = 0; i < n; ++i) {
-    const core::Pose here = place(record.robots[i]);
+    const core::Pose here = known_place(record.robots[i]);
     const double radius = experiment_.robots[i].radius;
     for (std::size_t j = i + 1; j < n; ++j)
-      see(i * n + j, core::distance(here, place(record.robots[j])) - (radius + experiment_.robots[j].radius),
+      see(i * n + j, core::distance(here, known_place(record.robots[j])) - (radius + experiment_.robots[j].radius),
           kind(i, j));
     if (runs_away(i)) continue;
     const double over =

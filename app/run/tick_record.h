@@ -124,6 +124,11 @@ struct RobotRecord {
   bool is(Mode m) const noexcept { return (mode & m) != 0; }
 };
 
+/// Where a robot is: the true place of a simulated one, the measured place of any other.
+inline core::Pose place(const RobotRecord& robot) noexcept {
+  return std::isfinite(robot.truth.x) ? robot.truth : robot.pose;
+}
+
 /// The phase of a run.
 enum class Phase : std::uint8_t {
   ready,  ///< waits for Start; robots stand

@@ -17,10 +17,7 @@ namespace skein::app {
 namespace {
 
 constexpr double longest_standstill = 0.5;  // of the program, with real robots: beyond it nobody drives on [s]
-constexpr double close_timeout = 1.0;       // for the stops to be acknowledged [s]
 constexpr double lock_step_timeout = 2.0;   // an emulated robot answers in well under a millisecond [s]
-constexpr double heartbeat = 0.05;          // at a slow rate a lost link is noticed as soon as at 25 Hz [s]
-constexpr double battery_period = 10.0;     // [s]
 
 /// The command that finds out where a camera hangs now; whole, if its calibration has the marks.
 std::string calibrate_floor(const Experiment& experiment, std::size_t camera, bool by_marks) {
@@ -60,9 +57,9 @@ tl::expected<std::unique_ptr<Plant>, std::string> Plant::open(const Experiment& 
     link_options.blind_distance = experiment.links.blind_distance;
     link_options.reply_timeout = experiment.links.reply_timeout;
     link_options.command_silence = experiment.command_silence();
-    link_options.heartbeat = heartbeat;
+    link_options.heartbeat = link_heartbeat;
     link_options.ask_version = true;
-    link_options.battery_period = battery_period;
+    link_options.battery_period = link_battery_period;
     // In lock-step a tick takes as long as it takes: silence on the wall clock says nothing.
     if (!clock.wall()) {
       link_options.command_silence = link_options.heartbeat = link_options.battery_period = 0.0;
@@ -276,7 +273,7 @@ std::optional<std::string> Plant::failure() {
 void Plant::close() {
   stopped_.store(true, std::memory_order_release);
   if (cameras_) cameras_->end();
-  if (links_ && final_status_.empty()) final_status_ = links_->close(close_timeout);
+  if (links_ && final_status_.empty()) final_status_ = links_->close(link_close_timeout);
   world_.stop();
 }
 

@@ -14,6 +14,11 @@
 
 namespace skein::app {
 
+// Of every program that talks to an experiment's robots. [s]
+inline constexpr double link_close_timeout = 1.0;    ///< for the stops to be acknowledged
+inline constexpr double link_heartbeat = 0.05;       ///< at a slow rate a lost link is noticed as soon as at 25 Hz
+inline constexpr double link_battery_period = 10.0;  ///< from one question for the battery to the next
+
 /// The lines to those robots of an experiment that have one.
 struct RobotLines {
   std::vector<std::size_t> robots;               ///< of the experiment

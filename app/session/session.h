@@ -53,9 +53,10 @@ class Session {
   [[nodiscard]] Answer resume();
   /// One tick from ready or paused on, and paused again. Refused with the reason if a link or camera runs in real time.
   [[nodiscard]] Answer step();
-  /// How much faster than real time the simulation runs, 0.1 to 50. At any speed but 1, every tick runs at exactly its
-  /// time and none is skipped: an overloaded machine makes the run slower, never different. Refused with the reason if
-  /// a link or camera runs in real time.
+  static constexpr double slowest = 0.1, fastest = 50.0;  ///< of a simulation, times real time
+  /// How much faster than real time the simulation runs, `slowest` to `fastest`. At any speed but 1, every tick runs at
+  /// exactly its time and none is skipped: an overloaded machine makes the run slower, never different. Refused with
+  /// the reason if a link or camera runs in real time.
   [[nodiscard]] Answer set_speed(double speed);
   double speed() const noexcept;
   /// STOP: latched, directly to every link and every simulated wheel, without waiting for the tick; the run is over.

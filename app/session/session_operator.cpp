@@ -5,12 +5,6 @@
 #include "app/session/session_wiring.h"
 
 namespace skein::app {
-namespace {
-
-constexpr double slowest = 0.1, fastest = 50.0;  // of a simulation, times real time
-
-}  // namespace
-
 Session::Answer Session::start() {
   if (auto may = wiring_->may_drive(); !may) return may;
   return wiring_->ask(commands::Start{});

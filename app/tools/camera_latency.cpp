@@ -9,6 +9,7 @@
 
 #include "app/session/camera_rig.h"
 #include "app/tools/plant_loop.h"
+#include "core/estimation/statistics.h"
 #include "core/kinematics/step_rate.h"
 #include "core/safety/limits.h"
 
@@ -23,12 +24,6 @@ constexpr double off_the_spot = 0.05, elbow = 0.01;   // the robot may wander; b
 /// A frequency that rises evenly: delay and scale of the headings show at different phases of each turn.
 double turning_rate(double t, double seconds) {
   return fastest_turn * std::sin(2.0 * core::pi * t * (slow + 0.5 * (quick - slow) * t / seconds));
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// Wheels roll evenly from step to step (core::StepMotor), and counters count steps that are made: on average a wheel
@@ -77,7 +72,7 @@ class Recording {
     std::vector<double> trips;
     trips.reserve(counts_.size());
     for (const WheelCount& count : counts_) trips.push_back(count.by - count.since);
-    const double longest = 1.5 * median(trips);
+    const double longest = 1.5 * core::median(trips);
     const RobotSpec& spec = experiment_.robots[robot_];
     core::TurnRecord turn;
     turn.believed = spec.drive;
@@ -88,7 +83,7 @@ class Recording {
       trips.push_back(count.by - count.since);
     }
     result.counts = turn.wheels.size();
-    result.round_trip = median(trips);
+    result.round_trip = core::median(trips);
     between_steps(turn.wheels, ahead_of_counter(spec.motor));
     result.turned = turn.turned();
     for (std::size_t camera = 0; camera < poses_.size(); ++camera) {
@@ -146,7 +141,6 @@ std::string neighbour(const PlantLoop& loop, const Experiment& experiment, std::
 }  // namespace
 
 CameraLatency judge_latency(const core::TurnRecord& turn) {
-  constexpr double z = 1.959963984540054;            // of the 95 % interval
   constexpr double useful = 1e-3, agreement = 2e-3;  // half of the interval; between both halves [s]
   constexpr double strange = 0.2, little = 3.0;      // of the scale; turned [rad]
   CameraLatency result;
@@ -164,9 +158,10 @@ CameraLatency judge_latency(const core::TurnRecord& turn) {
         "the camera saw it turn {:.2f} times as far as its counters say: is it the robot with "
         "this tag, and are its wheels right in the file?",
         result.scale);
-  else if (!(z * result.sigma <= useful))
-    result.doubt = fmt::format("the data leave {:.1f} to {:.1f} ms: turn for longer (--seconds), or under better light",
-                               1e3 * (result.late - z * result.sigma), 1e3 * (result.late + z * result.sigma));
+  else if (!(core::z_95 * result.sigma <= useful))
+    result.doubt =
+        fmt::format("the data leave {:.1f} to {:.1f} ms: turn for longer (--seconds), or under better light",
+                    1e3 * (result.late - core::z_95 * result.sigma), 1e3 * (result.late + core::z_95 * result.sigma));
   else if (!(std::abs(result.halves[0] - result.halves[1]) <= agreement))
     result.doubt = fmt::format(
         "the first half says {:.1f} ms and the second {:.1f} ms: the camera's stamps or the "
@@ -176,7 +171,6 @@ CameraLatency judge_latency(const core::TurnRecord& turn) {
 }
 
 CameraRows judge_rows(const std::vector<CameraLatency>& turns, double row_time, int height) {
-  constexpr double z = 1.959963984540054;   // of the 95 % interval
   constexpr double least_sigma = 1e-4;      // counters say no better when a wheel was where [s]
   constexpr double least_part = 1.0 / 3.0;  // of the picture's height, from the highest tag to the lowest
   constexpr double useful = 1e-3;           // half of the interval, over the whole picture [s]
@@ -223,11 +217,11 @@ CameraRows judge_rows(const std::vector<CameraLatency>& turns, double row_time, 
   result.row_time_sigma = std::sqrt(worse / moment);
   result.late = late - slope * row;
   result.late_sigma = std::sqrt(worse / weights + row * row * worse / moment);
-  if (z * result.row_time_sigma * height > useful)
+  if (core::z_95 * result.row_time_sigma * height > useful)
     result.doubt = fmt::format("the turns leave a row time of {:.1f} to {:.1f} us: turn for longer (--seconds)",
-                               1e6 * (result.row_time - z * result.row_time_sigma),
-                               1e6 * (result.row_time + z * result.row_time_sigma));
-  else if (result.row_time < -z * result.row_time_sigma)
+                               1e6 * (result.row_time - core::z_95 * result.row_time_sigma),
+                               1e6 * (result.row_time + core::z_95 * result.row_time_sigma));
+  else if (result.row_time < -core::z_95 * result.row_time_sigma)
     result.doubt = fmt::format(
         "a row time of {:.1f} us means rows that are read from the bottom up; allowed: from the top down: does the "
         "camera "

@@ -20,9 +20,6 @@
 namespace skein::app {
 namespace {
 
-constexpr double close_timeout = 1.0;    // [s]
-constexpr double heartbeat = 0.05;       // [s]
-constexpr double battery_period = 10.0;  // [s]
 // Patient: what is late shall be seen, not be cut off.
 constexpr double patience = 5.0;  // [s]
 
@@ -63,10 +60,10 @@ tl::expected<RobotPing, std::string> ping_robots(const Experiment& experiment, c
   comms::LinkOptions link_options;
   link_options.reply_timeout = patience;
   link_options.command_silence = experiment.command_silence();
-  link_options.heartbeat = heartbeat;
+  link_options.heartbeat = link_heartbeat;
   link_options.repeat_speeds = true;
   link_options.ask_version = true;
-  link_options.battery_period = battery_period;
+  link_options.battery_period = link_battery_period;
   comms::LinkSupervisor links(lines->addresses, link_options);
   if (net)
     net->on_stop([&] { stop_asked = true; },
@@ -100,7 +97,7 @@ tl::expected<RobotPing, std::string> ping_robots(const Experiment& experiment, c
     ping.robots[i].times = links.round_trips(i);
   }
   if (net) net->on_stop({}, {});
-  const std::vector<comms::LinkStatus> closed = links.close(close_timeout);
+  const std::vector<comms::LinkStatus> closed = links.close(link_close_timeout);
   std::vector<StopResult> stops;  // in the order of `real`
   for (std::size_t i = 0; i < ping.robots.size(); ++i) {
     ping.robots[i].stop_acknowledged = closed[i].stop_acknowledged;

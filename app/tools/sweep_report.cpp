@@ -14,6 +14,7 @@
 #include "app/experiment/experiment_file.h"
 #include "app/record/gnuplot.h"
 #include "app/session/session.h"
+#include "core/estimation/statistics.h"
 
 namespace skein::app {
 namespace {
@@ -21,7 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 using Done = tl::expected<void, std::string>;
 
-constexpr double z = 1.959963984540054;  // 95 %
 constexpr std::size_t bins = 40, most_points = 400, most_plans = 6;
 
 /// What a panel shows of a run; empty: it has no such value.
@@ -300,9 +300,9 @@ Done draw_worst(const fs::path& folder, const Study& study, const std::vector<Ru
 Share share_of(std::int64_t part, std::int64_t whole) {
   if (whole <= 0) return {part, whole, none, none, none};
   const auto n = static_cast<double>(whole);
-  const double p = static_cast<double>(part) / n, square = z * z / n;
+  const double p = static_cast<double>(part) / n, square = core::z_95 * core::z_95 / n;
   const double middle = (p + 0.5 * square) / (1.0 + square);
-  const double half = z * std::sqrt(p * (1.0 - p) / n + 0.25 * square / n) / (1.0 + square);
+  const double half = core::z_95 * std::sqrt(p * (1.0 - p) / n + 0.25 * square / n) / (1.0 + square);
   // Rounding must not leave a share outside its interval.
   return {part, whole, p, std::clamp(middle - half, 0.0, p), std::clamp(middle + half, p, 1.0)};
 }

@@ -8,6 +8,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/estimation/statistics.h"
 #include "core/kinematics/unicycle.h"
 
 namespace skein::core {
@@ -355,7 +356,6 @@ Identification identify(const IdentificationInput& input) {
     result.converged = search.climb(p, result.iterations);
 
   const Information covariance = search.information().inverse();
-  constexpr double z = 1.959963984540054;  // 95 %
   const auto within = [&](Estimate& e, double width) {
     e.known = result.converged && std::max(e.high - e.value, e.value - e.low) <= width;
   };
@@ -364,7 +364,7 @@ Identification identify(const IdentificationInput& input) {
     const double sigma = std::sqrt(covariance(i, i));
     Estimate& e = result.estimates[i];
     const auto value = [&](double parameter) { return logarithmic(unknown) ? std::exp(parameter) : parameter; };
-    e = {value(p[i]), value(p[i] - z * sigma), value(p[i] + z * sigma),
+    e = {value(p[i]), value(p[i] - z_95 * sigma), value(p[i] + z_95 * sigma),
          1.0 - std::pow(sigma / search.prior().sigma[i], 2)};
     within(e, useful_width(unknown, e.value));
     for (std::size_t j = 0; j < unknowns; ++j)
@@ -380,7 +380,7 @@ Identification identify(const IdentificationInput& input) {
     const double sigma = std::sqrt(variance(covariance(l, l), covariance(r, r), covariance(l, r)));
     const Parameters& before = search.prior().sigma;
     const double value = share_left * p[l] + share_right * p[r];
-    return Estimate{std::exp(value), std::exp(value - z * sigma), std::exp(value + z * sigma),
+    return Estimate{std::exp(value), std::exp(value - z_95 * sigma), std::exp(value + z_95 * sigma),
                     1.0 - sigma * sigma / variance(before[l] * before[l], before[r] * before[r], 0.0)};
   };
   result.wheel_diameter = of_both(0.5, 0.5);

@@ -1,5 +1,4 @@
 #include "ui/base/why.h"
-#include "ui/base/place.h"
 #include "ui/base/tr.h"
 
 #include <cmath>

@@ -9,7 +9,6 @@
 namespace skein::ui {
 namespace {
 
-constexpr double fastest = 50.0;     // times real time
 constexpr double one_gesture = 0.5;  // actions that follow one another within this time [s]
 
 bool acts(const app::TickRecord& row) {
@@ -89,7 +88,7 @@ void BranchController::repeat(const Past& past) {
   if (!pause_at_) speed_ = runs_.live().is_open() ? runs_.live().speed() : 1.0;
   pause_at_ = began_at_ = past.t;
   emit experiment_wanted(past.experiment);
-  (void)runs_.live().set_speed(fastest);  // no session is open yet: it is kept for the one that comes
+  (void)runs_.live().set_speed(app::Session::fastest);  // no session is open yet: it is kept for the one that comes
 }
 
 void BranchController::go_on_from_here() {

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "ui/arena/arena_scene.h"
-#include "ui/base/place.h"
 #include "ui/robots/robot_buttons.h"
 
 namespace skein::ui {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/estimation/statistics.h"
 #include "core/geometry/pose.h"
 #include "vision/modules/media_loader.h"
 
@@ -22,12 +23,6 @@ constexpr double least_tilt = 5.0;  // of the board in one view [deg]
 // large pictures scatter by a thousandth.
 constexpr double largest_rms = 0.0025;
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 std::vector<BoardView*> used(std::vector<BoardView>& views) {
   std::vector<BoardView*> result;
   for (BoardView& view : views)
@@ -44,7 +39,7 @@ bool reject(const std::vector<BoardView*>& views, const std::vector<std::vector<
   std::vector<double> of_views;
   for (std::size_t i = 0; i < views.size(); ++i) {
     BoardView& view = *views[i];
-    of_views.push_back(median(residuals[i]));
+    of_views.push_back(core::median(residuals[i]));
     const double worst = std::max(least_limit, corner_limit * rms_over_median * of_views.back());
     std::vector<BoardCorner> kept;
     for (std::size_t k = 0; k < view.corners.size(); ++k)
@@ -57,7 +52,7 @@ bool reject(const std::vector<BoardView*>& views, const std::vector<std::vector<
   }
   if (any) return true;
   const auto worst = std::max_element(of_views.begin(), of_views.end());
-  if (*worst <= std::max(least_limit, view_limit * median(of_views))) return false;
+  if (*worst <= std::max(least_limit, view_limit * core::median(of_views))) return false;
   views[static_cast<std::size_t>(worst - of_views.begin())]->rejected = true;
   return true;
 }

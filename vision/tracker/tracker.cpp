@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/estimation/statistics.h"
 #include "core/words.h"
 #include "vision/detector/detector.h"
 #include "vision/frames/frame.h"
@@ -48,12 +49,6 @@ std::vector<WantedTag> make_wanted(const std::vector<int>& tags) {
     if (known && !repeated) wanted.emplace_back(tag, patterns[static_cast<std::size_t>(tag)]);
   }
   return wanted;
-}
-
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 Calibration with_world(Calibration calibration) {
@@ -117,7 +112,7 @@ std::optional<double> TrackerParts::usual(double WantedTag::*mean) const {
   for (const WantedTag& tag : wanted)
     if (tag.stretches >= WantedTag::enough_stretches) usual.push_back(tag.*mean);
   if (usual.empty()) return {};
-  return median(usual);
+  return core::median_of(usual);
 }
 
 std::optional<double> TagTracker::stretch() const {
@@ -330,7 +325,7 @@ void TrackerParts::compare_shapes() {
     reject(counters.lifted);
   }
   if (stretches.size() < 3) return;
-  const double usual = median(stretches);
+  const double usual = core::median_of(stretches);
   for (WantedTag& tag : wanted) {
     if (!tag.found || !tag.stretch || std::abs(*tag.stretch - usual) <= options.group_tolerance) continue;
     tag.found = false;
