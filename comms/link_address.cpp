@@ -164,10 +164,19 @@ tl::expected<void, std::string> check_adapter(std::string_view adapter) {
 }
 
 tl::expected<LinkAddress, std::string> resolve(LinkAddress address) {
-  if (address.kind != LinkKind::tcp && address.kind != LinkKind::udp) return address;
   addrinfo wanted{};
   wanted.ai_family = AF_INET;
-  wanted.ai_socktype = address.kind == LinkKind::tcp ? SOCK_STREAM : SOCK_DGRAM;
+  switch (address.kind) {
+    case LinkKind::serial:
+    case LinkKind::rfcomm:
+      return address;
+    case LinkKind::tcp:
+      wanted.ai_socktype = SOCK_STREAM;
+      break;
+    case LinkKind::udp:
+      wanted.ai_socktype = SOCK_DGRAM;
+      break;
+  }
   addrinfo* found = nullptr;
   if (const int error = ::getaddrinfo(address.device.c_str(), nullptr, &wanted, &found); error != 0)
     return tl::unexpected(fmt::format("{} is not known here: {}", address.device, ::gai_strerror(error)));

@@ -11,6 +11,7 @@
 #include "app/experiment/experiment_reference.h"
 #include "app/experiment/experiment_trajectory.h"
 #include "app/experiment/hardware.h"
+#include "comms/link_address.h"
 #include "core/planning/formation_clock.h"
 #include "vision/sources/open_source.h"
 
@@ -55,7 +56,8 @@ void check_robots(const Experiment& e, Problems& problems) {
       problems.add(robot_key(i, "link"),
                    fmt::format("found \"{}\", which robot {} already has, allowed: a different link for each robot",
                                robot.address, other->second + 1));
-    if (robot.address.starts_with("rfcomm:") && ++adapters[robot.adapter] == most_on_an_adapter + 1)
+    const auto link = comms::parse_link_address(robot.address);
+    if (link && link->kind == comms::LinkKind::rfcomm && ++adapters[robot.adapter] == most_on_an_adapter + 1)
       problems.add(robot_key(i, "adapter"),
                    fmt::format("found \"{}\" for more than {} robots, allowed: {} per adapter; use another one for the "
                                "others, as in adapter = \"hci1\"",

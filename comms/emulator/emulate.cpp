@@ -81,12 +81,23 @@ int emulate(const EmulateOptions& options) {
     std::optional<DeviceNames> names;
     std::vector<EmulatorLoop::Robot> robots;
     for (const ListenAddress& address : listen) {
-      const bool wifi = address.kind == LinkKind::tcp;
       constexpr const core::RobotType& epuck2 = *core::find_robot_type("epuck2");
       constexpr const core::RobotType& open = *core::find_robot_type("open");
-      const core::RobotType& type = wifi ? epuck2 : address.kind == LinkKind::udp ? open : *options.model;
-      robots.push_back({type.motor, wifi ? EpuckProgram::wifi : EpuckProgram::asercom, make_socket_endpoint(address),
-                        make_firmware(type)});
+      const core::RobotType* type = options.model;
+      EpuckProgram program = EpuckProgram::asercom;
+      switch (address.kind) {
+        case LinkKind::serial:
+        case LinkKind::rfcomm:
+          break;
+        case LinkKind::tcp:
+          type = &epuck2;
+          program = EpuckProgram::wifi;
+          break;
+        case LinkKind::udp:
+          type = &open;
+          break;
+      }
+      robots.push_back({type->motor, program, make_socket_endpoint(address), make_firmware(*type)});
     }
     if (listen.empty()) {
       names.emplace(options.directory);

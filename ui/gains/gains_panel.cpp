@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/words.h"
 #include "ui/base/dialogs.h"
 #include "ui/base/menus.h"
 #include "ui/base/sentence.h"
@@ -30,6 +31,16 @@ class Changed final : public QUndoCommand {
   Value from_, to_;
   Apply apply_;
 };
+
+QString form_text(core::Coupling form) {
+  switch (form) {
+    case core::Coupling::paper:
+      return GainsPanel::tr("as printed (15)");
+    case core::Coupling::bounded:
+      return GainsPanel::tr("bounded");
+  }
+  return {};
+}
 
 }  // namespace
 
@@ -115,8 +126,8 @@ GainsPanel::GainsPanel(QWidget* parent)
   auto* label = new QLabel(tr("Coupling"), this);
   coupling_->setObjectName(QStringLiteral("coupling"));
   coupling_->setAccessibleName(tr("Form of the couplings"));
-  coupling_->addItem(tr("as printed (15)"), QStringLiteral("paper"));
-  coupling_->addItem(tr("bounded"), QStringLiteral("bounded"));
+  for (const core::Coupling coupling : core::all_of<core::Coupling>())
+    coupling_->addItem(form_text(coupling), QString::fromUtf8(word(coupling).data()));
   coupling_->setToolTip(
       tr("As printed, the forward and heading couplings may exceed their gains, and commands are limited after the "
          "law; bounded, (18f, g) imply the limits (14). Can be changed before the start only."));
@@ -180,7 +191,7 @@ void GainsPanel::show_experiment(const app::Experiment& experiment, const GainVa
                          ? tr("The experiment's controller has declared no parameters.")
                          : tr("The law %1 has no parameters to change.").arg(QString::fromUtf8(word(law.kind).data())));
   setEnabled(has_anything_to_set(experiment));
-  coupling_->setCurrentIndex(experiment.controller.coupling == core::Coupling::paper ? 0 : 1);
+  coupling_->setCurrentIndex(coupling_->findData(QString::fromUtf8(word(experiment.controller.coupling).data())));
   margins_->show_experiment(experiment);
   pairs_->show_robots(experiment.robots.size());
   schedule_->show_experiment(experiment);

@@ -25,6 +25,21 @@ bool needs_links(Kind kind) {
   return true;
 }
 
+/// Whether the robot did well in what was done with it.
+bool succeeded(Kind kind, const app::RobotSetup& robot) {
+  switch (kind) {
+    case Kind::scan:
+      return false;  // counts the robots that it finds
+    case Kind::pair:
+      return robot.paired == true;
+    case Kind::ping:
+      return robot.answers;
+    case Kind::test:
+      return robot.test && robot.test_problem.empty() && robot.test->faults.empty();
+  }
+  return false;
+}
+
 }  // namespace
 
 ConnectController::ConnectController(Runs& runs, EditorController& editor, const Messages& messages, QObject* parent)
@@ -179,9 +194,7 @@ void ConnectController::take(const app::SetupNews& news) {
     // Another experiment may be shown by now.
     if (row >= robots_.size() || !app::is_same_robot(robots_[row].spec, robot.spec)) continue;
     robots_[row] = robot;
-    const bool good = kind_ == Kind::pair   ? robot.paired == true
-                      : kind_ == Kind::ping ? robot.answers
-                                            : robot.test && robot.test_problem.empty() && robot.test->faults.empty();
+    const bool good = succeeded(kind_, robot);
     if (good) ++good_;
     if (kind_ == Kind::test && robot.test && robot.test_problem.empty())
       messages_.note(good ? tr("%1 passes its test").arg(QString::fromStdString(robot.name))

@@ -13,6 +13,39 @@ QString numbers(const std::vector<std::size_t>& robots) {
   return from_one.join(QStringLiteral(", "));
 }
 
+Severity phase_tone(app::Phase phase) {
+  switch (phase) {
+    case app::Phase::stopped:
+      return Severity::alarm;
+    case app::Phase::running:
+      return Severity::good;
+    case app::Phase::paused:
+      return Severity::warning;
+    case app::Phase::ready:
+    case app::Phase::staging:
+    case app::Phase::finished:
+      return Severity::notice;
+  }
+  return Severity::notice;
+}
+
+/// What the button does in this phase.
+RunState::Go go_from(app::Phase phase) {
+  switch (phase) {
+    case app::Phase::running:
+      return RunState::Go::pause;
+    case app::Phase::paused:
+      return RunState::Go::resume;
+    case app::Phase::stopped:
+    case app::Phase::finished:
+      return RunState::Go::again;
+    case app::Phase::ready:
+    case app::Phase::staging:
+      return RunState::Go::start;
+  }
+  return RunState::Go::start;
+}
+
 }  // namespace
 
 bool LiveRun::is_before_start() const {
@@ -35,22 +68,13 @@ RunState LiveRun::state() const {
   const QString real_time = real_time_reason();
   RunState state;
   state.words = busy ? tr("Opening …") : empty ? tr("No experiment") : failed ? tr("Failed") : phase_text(phase());
-  state.tone = busy                        ? Severity::note
-               : empty                     ? Severity::notice
-               : failed                    ? Severity::alarm
-               : phase() == Phase::stopped ? Severity::alarm
-               : phase() == Phase::running ? Severity::good
-               : phase() == Phase::paused  ? Severity::warning
-                                           : Severity::notice;
+  state.tone = busy ? Severity::note : empty ? Severity::notice : failed ? Severity::alarm : phase_tone(phase());
   state.moves = there && phase() == Phase::running;
   state.t = t();
   if (!empty && !is_over()) state.end = experiment_.duration;
   state.has_time = !empty;
   state.speed = speed();
-  state.go = phase() == Phase::running  ? RunState::Go::pause
-             : phase() == Phase::paused ? RunState::Go::resume
-             : is_over()                ? RunState::Go::again
-                                        : RunState::Go::start;
+  state.go = go_from(phase());
   state.may_go = there && phase() != Phase::staging;
   const bool stands = phase() == Phase::ready || phase() == Phase::paused;
   state.step.possible = there && stands && real_time.isEmpty();

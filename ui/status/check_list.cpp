@@ -201,25 +201,21 @@ void CheckList::dress() {
   for (const app::Check& check : checks_) {
     const Row& row = rows_[static_cast<std::size_t>(check.what)];
     using State = app::Check::State;
-    const auto [colour, mark, fails] = [&]() -> std::tuple<QColor, QString, bool> {
+    const auto [colour, mark, verdict, fails] = [&]() -> std::tuple<QColor, QString, QString, bool> {
       switch (check.state) {
         case State::holds:
-          return {c.good, QStringLiteral("✓"), false};
+          return {c.good, QStringLiteral("✓"), tr("holds"), false};
         case State::waits:
-          return {c.faint_text, QStringLiteral("…"), false};
+          return {c.faint_text, QStringLiteral("…"), tr("waits"), false};
         case State::fails:
           break;
       }
-      return check.hard ? std::tuple(c.alarm, QStringLiteral("✗"), true)
-                        : std::tuple(c.warning, QStringLiteral("!"), true);
+      return check.hard ? std::tuple(c.alarm, QStringLiteral("✗"), tr("fails"), true)
+                        : std::tuple(c.warning, QStringLiteral("!"), tr("may be overruled"), true);
     }();
     const QString shown = QStringLiteral("<b style=\"color:%1\">%2</b>").arg(colour.name(), mark);
     if (row.mark->text() != shown) row.mark->setText(shown);
     const QString reason = QString::fromStdString(check.reason);
-    const QString verdict = check.state == State::holds   ? tr("holds")
-                            : check.state == State::waits ? tr("waits")
-                            : check.hard                  ? tr("fails")
-                                                          : tr("may be overruled");
     const QString told = QStringLiteral("%1, %2: %3").arg(row.title->text(), verdict, reason);
     if (row.reason->accessibleName() != told) row.reason->setAccessibleName(told);
     if (row.reason->text() != reason) {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "app/session/session.h"
 #include "ui/base/icons.h"
 #include "ui/base/modes.h"
 #include "ui/base/palette.h"
@@ -14,7 +15,8 @@
 namespace skein::ui {
 namespace {
 
-constexpr double speeds[] = {0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0};  // times real time
+constexpr double speeds[] = {app::Session::slowest, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0,
+                             app::Session::fastest};  // times real time
 
 }  // namespace
 
@@ -200,6 +202,7 @@ void RunBar::show_go(const RunState& state) {
   go_->setEnabled(state.may_go);
   if (state.go == shown_go_) return;
   shown_go_ = state.go;
+  QString tip;
   switch (state.go) {
     case RunState::Go::start:
       go_->setText(tr("Start"));
@@ -215,11 +218,11 @@ void RunBar::show_go(const RunState& state) {
       break;
     case RunState::Go::again:
       go_->setText(tr("Set up"));
+      tip = tr("Sets the same experiment up again; nothing moves yet (F5)");
       break;
   }
   go_->setAccessibleName(go_->text());
-  go_->setToolTip(state.go == RunState::Go::again ? tr("Sets the same experiment up again; nothing moves yet (F5)")
-                                                  : go_->text() + QStringLiteral(" (F5)"));
+  go_->setToolTip(tip.isEmpty() ? go_->text() + QStringLiteral(" (F5)") : tip);
   const bool pauses = state.go == RunState::Go::pause;
   go_->setIcon(icon(pauses ? QStringLiteral("pause") : QStringLiteral("start"), colours(palette()).text));
 }

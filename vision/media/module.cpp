@@ -11,7 +11,13 @@ namespace skein::vision::media {
 namespace {
 
 std::unique_ptr<FrameSource> open(MediaKind kind, const std::string& path, std::string& error) {
-  return kind == MediaKind::video ? open_video(path, error) : open_images(path, error);
+  switch (kind) {
+    case MediaKind::images:
+      return open_images(path, error);
+    case MediaKind::video:
+      return open_video(path, error);
+  }
+  return nullptr;
 }
 
 bool decode_jpeg(const std::uint8_t* bytes, std::size_t size, Frame& frame) {
