@@ -24,6 +24,17 @@ void keep_smallest(Certificate::Theorem::Least& least, double value, double t, s
   if (value < least.value) least = {value, t, robot};
 }
 
+/// Whether (18f, g) bound the law's commands by (14).
+bool keeps_limits(core::Coupling coupling) noexcept {
+  switch (coupling) {
+    case core::Coupling::paper:
+      return false;
+    case core::Coupling::bounded:
+      return true;
+  }
+  return false;
+}
+
 /// Since when each case of the theorem has held without a break, and the least velocities since then.
 class CaseWatch {
  public:
@@ -401,7 +412,7 @@ std::string as_lines(const Certificate& certificate) {
                  "sampling{}; the CSV's mode says at which ticks\n",
                  certificate.theorem.continuous_omega ? "" : ", and k_theta of (36) jumps wherever omega_ref does");
   fmt::format_to(out, "limits_14: {}\n",
-                 certificate.coupling == core::Coupling::bounded || !certificate.coupled
+                 keeps_limits(certificate.coupling) || !certificate.coupled
                      ? "follow from (18f, g)"
                      : "do NOT follow from (18f, g) with coupling = \"paper\", whose terms are not bounded by k_xx and "
                        "k_tt; commands are limited after the law, and V may then rise");
