@@ -1,8 +1,9 @@
 // Films that Skein records: read back, everything is the same to the bit; and nothing ever holds the frames up.
 #include "vision/recording/recorder.h"
 
+#include <bit>
 #include <condition_variable>
-#include <cstring>
+#include <cstdint>
 #include <limits>
 #include <numbers>
 
@@ -24,6 +25,10 @@ Frame noisy_frame(int width, int height, std::int64_t index, detail::Random& ran
   frame.source = std::to_string(index);
   frame.captured_at = 12345.678 + std::numbers::pi / 70.0 * static_cast<double>(index);
   return frame;
+}
+
+bool same_bits(double a, double b) {
+  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
 }
 
 /// A film in memory whose writer can be held up and broken.
@@ -90,7 +95,7 @@ TEST(Recorder, EverythingComesBackToTheBit) {
   for (const Frame& wanted : frames) {
     ASSERT_TRUE((*film)->read(frame).value());
     EXPECT_EQ(frame.grey, wanted.grey);
-    EXPECT_EQ(std::memcmp(&frame.captured_at, &wanted.captured_at, sizeof(double)), 0);
+    EXPECT_TRUE(same_bits(frame.captured_at, wanted.captured_at));
     EXPECT_EQ(frame.index, wanted.index);
     EXPECT_EQ(frame.source, wanted.source);
   }
@@ -128,7 +133,7 @@ TEST(Recorder, ASmallFilmKeepsTimesToTheBitAndNoticesDamage) {
   bool changed = false;
   for (std::size_t k = 0; k < 60; ++k) {
     EXPECT_EQ(whole[k].index, frames[k].index);
-    EXPECT_EQ(std::memcmp(&whole[k].captured_at, &frames[k].captured_at, sizeof(double)), 0);
+    EXPECT_TRUE(same_bits(whole[k].captured_at, frames[k].captured_at));
     changed = changed || whole[k].grey != frames[k].grey;
   }
   EXPECT_TRUE(changed) << "a film with losses that has none";
