@@ -47,6 +47,13 @@ std::unique_ptr<const core::Reference> make_reference_of_tick(const Experiment& 
   return std::make_unique<core::WaitingReference>(std::move(on_time), clock);
 }
 
+std::vector<std::optional<core::Pose>> ends_of(const core::Reference& reference, double duration) {
+  std::vector<std::optional<core::Pose>> ends(reference.robots());
+  for (std::size_t i = 0; i < ends.size(); ++i)
+    if (const core::ReferencePoint last = reference.at(i, duration); last.twist == core::Twist{}) ends[i] = last.pose;
+  return ends;
+}
+
 std::unique_ptr<core::Planner> make_planner(const Experiment& e, const core::Reference& reference,
                                             core::FormationClock& clock, std::size_t obstacles) {
   if (e.avoidance.kind != core::AvoidanceKind::plan || !e.avoidance.enabled) return nullptr;
@@ -80,6 +87,7 @@ TickSetup::TickSetup(const Experiment& e)
     : experiment(e),
       reference(make_reference_of_tick(e, clock)),
       demand(reference->demand(e.controller.k_y)),
+      ends(ends_of(*reference, e.duration)),
       shield_parameters(shield_of(e)),
       has_camera(e.camera.kind() != CameraKind::absent),
       cameras(e.cameras()),
@@ -729,7 +737,10 @@ void TickState::watch_progress() noexcept {
     const double away = core::distance(poses[i], nominal[i].pose);
     // Beside an obstacle on its lane a robot is abreast of its place, and nothing keeps it from it.
     if (planner && planner->state(i) == core::Planner::State::passing) progress.restart(i);
-    if (!moving() || std::isnan(away) || !progress.stuck(i, away, motion_dt)) continue;
+    const bool to_its_end = record.phase != Phase::staging && ends[i];
+    const core::ProgressWatch::Away how_far{away, to_its_end ? core::distance(poses[i], *ends[i]) : none,
+                                            planner ? planner->time_left(i) : none};
+    if (!moving() || std::isnan(away) || !progress.stuck(i, how_far, motion_dt)) continue;
     note(events::NoProgress{i, away, hindrance(i)});
   }
 }

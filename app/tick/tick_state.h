@@ -30,7 +30,8 @@ struct TickSetup {
   core::FormationClock clock;  // part of the setup, because the reference depends on it
   const std::unique_ptr<const core::Reference> reference;
   const core::ReferenceDemand demand;
-  const core::ShieldParameters shield_parameters;  // with the arena's edge
+  const std::vector<std::optional<core::Pose>> ends;  // of places that come to rest
+  const core::ShieldParameters shield_parameters;     // with the arena's edge
   const bool has_camera;
   const std::size_t cameras;  // whose measurements are fused: 1 without any
   std::vector<core::CommandLimits> limits;

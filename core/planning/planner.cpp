@@ -113,6 +113,12 @@ void Planner::go_on_from(const Planner& other) {
                   traffic_);
 }
 
+double Planner::time_left(std::size_t i) const noexcept {
+  const Robot& robot = robots_[i];
+  if (robot.state != State::driving || robot.makes_room) return std::numeric_limits<double>::quiet_NaN();
+  return (robot.joins > 0.0 ? robot.joins : robot.route.duration()) - robot.clock;
+}
+
 void Planner::reset() noexcept {
   for (Robot& robot : robots_) robot = Robot{}, robot.waits_for = robot.taken_by = robots_.size();
   std::fill(shift_.begin(), shift_.end(), 0.0);

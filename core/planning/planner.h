@@ -93,6 +93,8 @@ class Planner {
   std::size_t taken_by(std::size_t i) const noexcept { return robots_[i].taken_by; }
   /// The robot for which robot i waits to pass first, or none (robots()).
   std::size_t waits_for(std::size_t i) const noexcept { return robots_[i].waits_for; }
+  /// Time that the route of robot i still takes until it is at its place [s]; NaN while it has none that leads there.
+  double time_left(std::size_t i) const noexcept;
   /// Nodes expanded in the latest step.
   std::size_t nodes() const noexcept { return spent_; }
   void reset() noexcept;

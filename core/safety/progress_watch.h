@@ -7,36 +7,79 @@
 
 namespace skein::core {
 
-/// Detects robots that make no progress towards their places, whatever the cause. Part of the tick: allocates in its
-/// constructor only.
+/// Detects robots that make no progress towards their places, whatever the cause. Progress is to come nearer to the
+/// place, or to where it will stand at last, or to get on along a planned route: the place itself may drive away
+/// meanwhile. Part of the tick: allocates in its constructor only.
 class ProgressWatch {
  public:
   explicit ProgressWatch(std::size_t robots) : robots_(robots) {}
 
-  /// One tick: robot i is `distance` from its place [m] and has been driven for `dt` [s]. True once when it has made no
-  /// progress for `patience`, and again only after it has made progress or has been at its place.
-  bool stuck(std::size_t i, double distance, double dt) noexcept {
+  struct Away {
+    double from_place;     ///< where the robot is to be now [m]
+    double from_end;       ///< where its place will stand at last [m]; NaN: it drives on
+    double along_a_route;  ///< time that its planned route still takes [s]; NaN: it has none
+  };
+
+  /// One tick: robot i is so far away and has been driven for `dt` [s]. True once when it has made no progress for
+  /// `patience`, or has gone to and fro for `long_patience`; and again only after it has been nearer than ever, or at
+  /// its place.
+  bool stuck(std::size_t i, const Away& away, double dt) noexcept {
     Robot& robot = robots_[i];
-    if (distance < at_its_place || distance < robot.nearest - progress) {
-      robot = {distance, 0.0, false};
+    if (away.from_place < at_its_place) {
+      robot = {};
       return false;
     }
-    robot.waited += dt;
+    if (std::isnan(away.along_a_route)) robot.route = {};
+    const bool gets_on = robot.route.nears(away.along_a_route, progress_on_route);
+    const bool nears = robot.place.nears(away.from_place, progress) | robot.end.nears(away.from_end, progress);
+    const bool beats = robot.place.beats(away.from_place) | robot.end.beats(away.from_end);
+    const bool falls_behind = robot.place.falls_behind(away.from_place);
+    robot.waited = gets_on || nears ? 0.0 : robot.waited + dt;
+    robot.unbeaten = gets_on || beats || falls_behind ? 0.0 : robot.unbeaten + dt;
+    if (gets_on || beats) robot.told = false;
     // A nanosecond: dt is a quotient, and the patience a whole number of ticks.
-    if (robot.told || robot.waited < patience - 1e-9) return false;
+    if (robot.told || (robot.waited < patience - 1e-9 && robot.unbeaten < long_patience - 1e-9)) return false;
     return robot.told = true;
   }
   /// Somebody moved robot i: restarts its time without progress.
   void restart(std::size_t i) noexcept { robots_[i] = {}; }
 
-  static constexpr double patience = 3.0;       ///< [s]
-  static constexpr double progress = 0.01;      ///< that counts [m]
-  static constexpr double at_its_place = 0.02;  ///< a robot this near to its place is not stuck [m]
+  static constexpr double patience = 3.0;           ///< [s]
+  static constexpr double long_patience = 10.0;     ///< with a robot that comes nearer again and again [s]
+  static constexpr double progress = 0.01;          ///< that counts [m]
+  static constexpr double progress_on_route = 0.3;  ///< that counts [s]
+  static constexpr double at_its_place = 0.02;      ///< a robot this near to its place is not stuck [m]
 
  private:
+  static constexpr double never = std::numeric_limits<double>::infinity();
+  static constexpr double fell_behind = 0.05;  // so much farther than ever: its record counts from here [m]
+
+  /// How one distance develops. NaN is no progress.
+  struct Approach {
+    double farthest = 0.0;  // since it was last nearer by as much as counts
+    double record = never, worst = 0.0;
+
+    bool nears(double distance, double enough) noexcept {
+      farthest = std::fmax(farthest, distance);
+      if (!(distance < farthest - enough)) return false;
+      farthest = distance;
+      return true;
+    }
+    bool beats(double distance) noexcept {
+      if (!(distance < record - progress)) return false;
+      record = distance;
+      worst = std::fmax(worst, distance);
+      return true;
+    }
+    bool falls_behind(double distance) noexcept {
+      if (!(distance > worst + fell_behind)) return false;
+      record = worst = distance;
+      return true;
+    }
+  };
   struct Robot {
-    double nearest = std::numeric_limits<double>::infinity();  // to its place, since it last made progress [m]
-    double waited = 0.0;                                       // since then [s]
+    Approach place, end, route;
+    double waited = 0.0, unbeaten = 0.0;  // [s]
     bool told = false;
   };
   std::vector<Robot> robots_;

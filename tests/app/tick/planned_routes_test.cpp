@@ -37,6 +37,26 @@ TEST(PlannedRoutes, BringACrowdToItsPlaces) {
   EXPECT_GE(nearest(rows), 0.078);
 }
 
+/// The places of a crowd drive away from robots that wait for a way, turn, or drive round others. Those are on their
+/// way.
+TEST(PlannedRoutes, AreProgressThoughThePlaceDrivesAwayMeanwhile) {
+  auto swap = load_experiment(experiments + "antipodal-swap-20.toml");
+  ASSERT_TRUE(swap) << swap.error().front().message();
+  swap->avoidance.kind = core::AvoidanceKind::plan;
+  swap->duration = 45.0;
+  int fell_behind = 0;
+  std::vector<double> away(swap->robots.size(), 0.0);
+  for (const TickRecord& row : test::simulate(*swap)) {
+    for (const Event& event : row.events) EXPECT_FALSE((is<events::NoProgress, events::NoWay>(event))) << row.t;
+    for (std::size_t i = 0; i < row.robots.size(); ++i) {
+      const double now = core::distance(row.robots[i].truth, row.robots[i].nominal.pose);
+      fell_behind += now > 0.2 && away[i] <= 0.2;
+      away[i] = now;
+    }
+  }
+  EXPECT_GE(fell_behind, 10);
+}
+
 TEST(PlannedRoutes, RepeatToTheBit) {
   const std::vector<TickRecord> first = test::simulate(crowd()), again = test::simulate(crowd());
   ASSERT_EQ(first.size(), again.size());

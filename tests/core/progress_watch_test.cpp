@@ -1,0 +1,61 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "core/safety/progress_watch.h"
+
+namespace skein::core {
+namespace {
+
+constexpr double dt = 0.04;
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
+
+TEST(ProgressWatch, ARobotWhosePlaceDrivesAwayIsStuckUnlessItGetsOnAlongItsRoute) {
+  for (const bool on_route : {false, true}) {
+    ProgressWatch watch(1);
+    int said = 0;
+    for (int k = 0; k < 250; ++k) said += watch.stuck(0, {0.1 + 0.003 * k, none, on_route ? 20.0 - dt * k : none}, dt);
+    EXPECT_EQ(said, on_route ? 0 : 1);
+  }
+}
+
+TEST(ProgressWatch, ARobotBehindAPlaceThatDrivesOnIsStuckUnlessItComesNearerToThePlacesEnd) {
+  for (const bool drives : {false, true}) {
+    ProgressWatch watch(1);
+    int said = 0;
+    for (int k = 0; k < 250; ++k) said += watch.stuck(0, {0.1 + 0.001 * k, drives ? 2.0 - 0.003 * k : 2.0, none}, dt);
+    EXPECT_EQ(said, drives ? 0 : 1);
+  }
+}
+
+TEST(ProgressWatch, ARouteThatStandsIsStuck) {
+  ProgressWatch watch(1);
+  int said = 0;
+  for (int k = 0; k < 250; ++k) said += watch.stuck(0, {0.1, 0.1, k < 100 ? 20.0 - dt * k : 16.0}, dt);
+  EXPECT_EQ(said, 1);
+}
+
+TEST(ProgressWatch, ARobotThatFellBehindAndCatchesUpIsNotStuck) {
+  ProgressWatch watch(1);
+  for (int k = 0; k < 50; ++k) EXPECT_FALSE(watch.stuck(0, {0.006 * k, none, none}, dt));
+  for (int k = 0; k < 600; ++k) EXPECT_FALSE(watch.stuck(0, {std::fmax(0.0, 0.3 - 0.0005 * k), none, none}, dt));
+}
+
+TEST(ProgressWatch, ARobotThatGoesToAndFroIsStuck) {
+  ProgressWatch watch(1);
+  int said = 0;
+  for (int k = 0; k < 1000; ++k) said += watch.stuck(0, {0.2 + 0.03 * std::sin(0.08 * k), none, none}, dt);
+  EXPECT_EQ(said, 1);
+}
+
+TEST(ProgressWatch, ANewRouteIsNoProgress) {
+  ProgressWatch watch(1);
+  int said_at = 0;
+  for (int k = 0; k < 100; ++k)
+    if (watch.stuck(0, {0.1, 0.1, k % 20 < 10 ? none : 20.0 + k}, dt)) said_at = k;
+  EXPECT_EQ(said_at, 74);
+}
+
+}  // namespace
+}  // namespace skein::core
