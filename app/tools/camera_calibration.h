@@ -45,7 +45,10 @@ struct CalibrationProgress {
   std::int64_t frames = 0;
   std::vector<std::array<double, 2>> corners;  ///< in the newest image; empty: no board in it [px]
   std::array<int, columns * rows> coverage{};  ///< corners seen in each part, row by row
-  double covered = 0.0;                        ///< share of the parts with any corners
+  int seen(int row, int column) const {
+    return coverage[static_cast<std::size_t>(row) * columns + static_cast<std::size_t>(column)];
+  }
+  double covered = 0.0;  ///< share of the parts with any corners
   std::vector<View> views;
   std::optional<Result> result;
   std::string unsolved;  ///< why there is none

@@ -24,9 +24,10 @@ QString next_place(const Progress& progress) {
   std::array<int, places.size()> empty{}, all{};
   for (int row = 0; row < Progress::rows; ++row)
     for (int column = 0; column < Progress::columns; ++column) {
-      const auto ninth = static_cast<std::size_t>(row * 3 / Progress::rows * 3 + column * 3 / Progress::columns);
+      const int across = column * 3 / Progress::columns, down = row * 3 / Progress::rows;
+      const auto ninth = static_cast<std::size_t>(down) * 3 + static_cast<std::size_t>(across);
       ++all[ninth];
-      empty[ninth] += progress.coverage[static_cast<std::size_t>(row * Progress::columns + column)] == 0;
+      empty[ninth] += progress.seen(row, column) == 0;
     }
   std::size_t worst = 0;
   for (std::size_t k = 1; k < places.size(); ++k)
@@ -67,7 +68,7 @@ void CalibrationPicture::paintEvent(QPaintEvent*) {
   QColor shade = c.warning;
   for (int row = 0; row < Progress::rows; ++row)
     for (int column = 0; column < Progress::columns; ++column) {
-      const int seen = progress_.coverage[static_cast<std::size_t>(row * Progress::columns + column)];
+      const int seen = progress_.seen(row, column);
       constexpr int plenty = 10;
       shade.setAlphaF(seen == 0 ? 0.45F : seen < plenty ? 0.18F : 0.0F);
       p.fillRect(QRectF(sheet.left() + column * w, sheet.top() + row * h, w, h).adjusted(0.5, 0.5, -0.5, -0.5), shade);
