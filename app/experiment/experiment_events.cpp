@@ -24,7 +24,7 @@ void read_perturbations(TomlTable& document, Experiment& e) {
     p.robot = static_cast<std::size_t>(robot - 1);
     t.number("dx", p.dx, between(-e.arena_width, e.arena_width, "m"));
     t.number("dy", p.dy, between(-e.arena_height, e.arena_height, "m"));
-    t.number("dtheta", p.dtheta, between(-core::pi, core::pi, "rad"));
+    t.number("dtheta", p.dtheta, between(-full_turn, full_turn, "rad"));
     if (!t.has("dx") && !t.has("dy") && !t.has("dtheta")) t.require("dx", "at least one of dx, dy, dtheta");
     t.finish();
     e.perturbations.push_back(p);

@@ -46,13 +46,14 @@ void read_start(TomlTable& t, RobotSpec& robot, const Experiment& e) {
   if (!found) return;
   const double x_most = 0.5 * e.arena_width, y_most = 0.5 * e.arena_height;
   const auto pose = numbers_of<3>(*found);
-  if (pose && std::abs((*pose)[0]) <= x_most && std::abs((*pose)[1]) <= y_most && std::abs((*pose)[2]) <= core::pi)
-    robot.start = {(*pose)[0], (*pose)[1], (*pose)[2]};
+  if (pose && std::abs((*pose)[0]) <= x_most && std::abs((*pose)[1]) <= y_most && std::abs((*pose)[2]) <= full_turn)
+    robot.start = {(*pose)[0], (*pose)[1],
+                   std::abs((*pose)[2]) <= core::pi ? (*pose)[2] : core::wrap_angle((*pose)[2])};
   else
     t.refuse("start", *found,
              fmt::format("[x, y, theta] inside the arena: x from -{0:.6g} to {0:.6g} m, y from -{1:.6g} to {1:.6g} m, "
-                         "theta from -pi to pi",
-                         x_most, y_most));
+                         "theta from -{2} to {2} rad",
+                         x_most, y_most, full_turn));
 }
 
 void read_drive(TomlTable& t, DriveKeys& drive) {

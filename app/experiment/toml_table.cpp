@@ -214,7 +214,15 @@ void TomlTable::finish() const {
 }
 
 std::string shown(const toml::node& value) {
-  if (value.is_array()) return "an array";
+  if (const toml::array* const array = value.as_array()) {
+    constexpr std::size_t longest = 60;
+    std::string text;
+    for (const toml::node& element : *array) {
+      text += (text.empty() ? "" : ", ") + shown(element);
+      if (text.size() > longest) return fmt::format("an array of {}", array->size());
+    }
+    return "[" + text + "]";
+  }
   if (value.is_table()) return "a table";
   if (const auto text = value.value_exact<std::string_view>()) {
     constexpr std::size_t longest = 60;

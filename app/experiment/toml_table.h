@@ -37,6 +37,9 @@ constexpr Range between(double low, double high, const char* unit = "") {
   return {low, high, false, unit};
 }
 
+/// Headings and turns that a file may name: also a full turn that was rounded, such as 6.2832. [rad]
+inline constexpr double full_turn = 6.3;
+
 /// The document of a TOML text; if it is not TOML, the one problem that stopped the parser, with its place.
 tl::expected<toml::table, std::vector<Problem>> parse_toml(std::string_view text, const std::string& file);
 

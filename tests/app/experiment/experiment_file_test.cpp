@@ -1,14 +1,17 @@
 // Experiment files: what is read, and that nothing makes the reader fall over.
 #include "app/experiment/experiment_file.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "app/experiment/certificate.h"
@@ -321,6 +324,16 @@ TEST(ExperimentFile, SurvivesMutations) {
       for (const Problem& problem : e.error()) RC_ASSERT(!problem.message().empty());
     }
   });
+}
+
+TEST(ExperimentText, AHeadingMayBeRoundedAndBeUpToAFullTurn) {
+  for (const auto& [written, heading] :
+       {std::pair{"3.1416", -core::pi}, {"-3.1416", core::pi}, {"4.7124", -core::pi / 2}, {"0.25", 0.25}}) {
+    const auto e = parse_experiment(fmt::format("[[robot]]\nstart = [0.2, 0, {}]\n", written), "e.toml");
+    ASSERT_TRUE(e) << e.error().front().message();
+    EXPECT_NEAR(e->robots[0].start->theta, heading, 2e-5) << written;
+    EXPECT_LE(std::abs(e->robots[0].start->theta), core::pi);
+  }
 }
 
 }  // namespace

@@ -48,7 +48,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"seed = 1.5", "e.toml:1:8: seed: found 1.5, allowed: a whole number from 0 to"},
         Refused{"seed = 1979-05-27", "e.toml:1:8: seed: found a date or a time, allowed:"},
         Refused{"arena = 3", "e.toml:1:9: arena: found 3, allowed: a table [arena]"},
-        Refused{"[arena]\nwidth = [1]", "e.toml:2:9: arena.width: found an array, allowed: a number from 0.1 to 100 m"},
+        Refused{"[arena]\nwidth = [1]", "e.toml:2:9: arena.width: found [1], allowed: a number from 0.1 to 100 m"},
         Refused{"[arena]\ndepth = 1", "e.toml:2:1: arena.depth: unknown key, allowed in arena: width, height"},
         Refused{"[reference]\nkind = 'swarm'",
                 "e.toml:2:8: reference.kind: found \"swarm\", allowed: \"platoon\", \"formation\", \"independent\""},
@@ -88,10 +88,9 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"[robot_defaults]\ntruth = {}", "e.toml:2:1: robot_defaults.truth: unknown key"},
         Refused{"[[robot]]\nwheel_ratio = 2",
                 "e.toml:2:15: robot.1.wheel_ratio: found 2, allowed: a number from 0.8 to 1.25"},
-        Refused{
-            "[[robot]]\ntruth = {runaway = [1, 2]}",
-            "e.toml:2:20: robot.1.truth.runaway: found an array, allowed: [t] or [t, v, omega]: t a number from 0 to "
-            "86400 s, v a number from -1 to 1 m/s"},
+        Refused{"[[robot]]\ntruth = {runaway = [1, 2]}",
+                "e.toml:2:20: robot.1.truth.runaway: found [1, 2], allowed: [t] or [t, v, omega]: t a number from 0 to "
+                "86400 s, v a number from -1 to 1 m/s"},
         Refused{"[[robot]]\ntruth = {wheel = 1}", "e.toml:2:10: robot.1.truth.wheel: unknown key"},
         Refused{"[camera]\nsource = 'v4l2:/dev/video0'\ncalibration = 'c.toml'\n[[robot]]\nlink = 'tcp:a'\ntruth = "
                 "{track = 0.05}",
@@ -134,7 +133,7 @@ INSTANTIATE_TEST_SUITE_P(
             "from 1 to 4 and a number from 0 to 100"},
         Refused{"[controller.gains]\nk_xx = [[1, 1, 0.1]]", "e.toml:2:9: controller.gains.k_xx.1: found [1, 1, 0.1]"},
         Refused{"[controller.gains]\nk_xx = [[1, 2, -0.1]]", "e.toml:2:9: controller.gains.k_xx.1: found [1, 2, -0.1]"},
-        Refused{"[controller.gains]\nk_xx = [[1, 2]]", "e.toml:2:9: controller.gains.k_xx.1: found an array"},
+        Refused{"[controller.gains]\nk_xx = [[1, 2]]", "e.toml:2:9: controller.gains.k_xx.1: found [1, 2]"},
         Refused{"[controller.gains]\nk_xx = [0.1]", "e.toml:2:9: controller.gains.k_xx.1: found 0.1"},
         Refused{"[controller.gains]\nk_xx = [[1, 2, 0.001], [2, 1, 0.001]]",
                 "e.toml:2:24: controller.gains.k_xx.2: found the pair 2, 1 again"},
@@ -153,6 +152,12 @@ INSTANTIATE_TEST_SUITE_P(
                 "e.toml:2:9: robot.1.start: found (0.2, 0) m, 0.1 m from the centre of obstacle 1, allowed: at least"},
         Refused{"[[obstacle]]\nx = 0.65\ny = 0.07\nradius = 0.05",
                 "e.toml:1:1: obstacle.1: found (0.65, 0.07) m, 0.04992 m from where robot 1 begins, allowed: at least"},
+        Refused{
+            "[[robot]]\nstart = [0.9, 0, 90]",
+            "e.toml:2:9: robot.1.start: found [0.9, 0, 90], allowed: [x, y, theta] inside the arena: x from -1 to 1 "
+            "m, y from -0.75 to 0.75 m, theta from -6.3 to 6.3 rad"},
+        Refused{"[[robot]]\nstart = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21]",
+                "e.toml:2:9: robot.1.start: found an array of 21, allowed: [x, y, theta]"},
         Refused{"[[robot]]\nstart = [0.99, 0, 0]",
                 "e.toml:2:9: robot.1.start: found (0.99, 0) m, allowed: at least its radius, 0.035 m, from the arena"},
         Refused{"[[robot]]\ntag = 4\n[[robot]]\ntag = 4",
@@ -193,7 +198,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"[reference.path]\nshape = 'spline'",
                 "e.toml:1:1: reference.path.points: missing, allowed: at least 3 points"},
         Refused{"[reference.path]\nshape = 'spline'\npoints = [[0, 0], [1, 0]]",
-                "e.toml:3:10: reference.path.points: found an array, allowed: 3 to 1000 points [x, y] in m"},
+                "e.toml:3:10: reference.path.points: found [[0, 0], [1, 0]], allowed: 3 to 1000 points [x, y] in m"},
         Refused{"[reference.path]\nshape = 'spline'\npoints = [[0, 0], [0.3, 0], [0.3, 0], [0, 0.3]]",
                 "e.toml:3:10: reference.path.points: found (0.3, 0) twice in a row"},
         Refused{"[reference.path]\nshape = 'polyline'\npoints = [[-0.4, -0.4], [0.4, -0.4], [0.4, 0.4], [-0.4, 0.4]]\n"
@@ -208,7 +213,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"[reference]\nkind = 'formation'\npath = { shape = 'circle', radius = 0.4 }",
                 "e.toml:1:1: reference.shape: missing, allowed: the formation's shape, or offsets"},
         Refused{"[reference]\nkind = 'formation'\noffsets = [[0, 0]]\npath = { shape = 'circle', radius = 0.4 }",
-                "e.toml:3:11: reference.offsets: found an array, allowed: 4 points [x, y] in m"},
+                "e.toml:3:11: reference.offsets: found [[0, 0]], allowed: 4 points [x, y] in m"},
         Refused{
             "[reference]\nkind = 'formation'\nshape = 'line'\nspacing = 0.05\nspeed = 0.02\n"
             "path = { shape = 'circle', radius = 0.4 }",

@@ -402,7 +402,7 @@ TEST(Study, RunsOfTheControlThatFailAreCounted) {
 TEST_F(StudyText, RefusesWhatCannotBeCompared) {
   EXPECT_THAT(refusal("experiment = \"e.toml\"\n[compare]\nb = \"x\"\n"), HasSubstr("compare.b: found"));
   EXPECT_THAT(refusal("experiment = \"e.toml\"\n[compare]\ncontrol = [\"seed=2\"]\n"),
-              HasSubstr("compare.control: found an array, allowed: another name than study and control"));
+              HasSubstr("compare.control: found [\"seed=2\"], allowed: another name than study and control"));
 }
 
 TEST_F(StudyText, ValuesThatAreAllTheSameAreDrawn) {
