@@ -116,8 +116,8 @@ class ReplyParser {
   /// Sets what the next bytes are: text by default, or one binary answer and then nothing.
   void expect_lines() noexcept { expected_ = Expected::lines; }
   void expect_answer(Question question) noexcept {
-    expected_ = question == Question::none ? Expected::nothing : Expected::answer;
     answer_size_ = answer_size(question);
+    expected_ = answer_size_ == 0 ? Expected::nothing : Expected::answer;
   }
 
   void feed(std::span<const std::uint8_t> bytes);

@@ -76,7 +76,8 @@ core::MotorModel BluetoothRobot::model() const noexcept {
 }
 
 LinkAddress BluetoothRobot::link() const {
-  return {LinkKind::rfcomm, address, model() == core::MotorModel::epuck2 ? 2 : 1, adapter, name};
+  const int channel = name.starts_with(epuck2) ? 2 : 1;
+  return {LinkKind::rfcomm, address, channel, adapter, name};
 }
 
 bool is_epuck_name(std::string_view name) noexcept {

@@ -65,8 +65,9 @@ void LinkSession::stop(double now) {
 }
 
 void LinkSession::send_stop(double now) {
-  stop_wait_ = phase_ == Phase::synchronising ? std::min({2.0 * stop_wait_, longest_stop_wait, options_.reply_timeout})
-                                              : std::min(options_.stop_repeat, options_.reply_timeout);
+  const bool again = phase_ == Phase::synchronising;
+  stop_wait_ = again ? std::min({2.0 * stop_wait_, longest_stop_wait, options_.reply_timeout})
+                     : std::min(options_.stop_repeat, options_.reply_timeout);
   if (phase_ == Phase::up && !question_) silent_since_ = now;
   if (up()) down_since_ = now;
   count_way(now);
@@ -316,10 +317,11 @@ void LinkSession::sent(std::size_t bytes, double now) {
 
 LinkStatus LinkSession::status(double now) const {
   LinkStatus status = counters_;
-  status.state = phase_ == Phase::closed ? LinkState::down
-                 : up()                  ? LinkState::up
-                 : owes_reply_           ? LinkState::stale
-                                         : LinkState::synchronising;
+  const bool closed = phase_ == Phase::closed;
+  status.state = closed        ? LinkState::down
+                 : up()        ? LinkState::up
+                 : owes_reply_ ? LinkState::stale
+                               : LinkState::synchronising;
   status.reason = reason_;
   status.rtt_median = round_trips_.quantile(0.5);
   status.rtt_p99 = round_trips_.quantile(0.99);

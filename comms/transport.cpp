@@ -42,6 +42,34 @@ bool make_raw(int descriptor) {
   return ::tcsetattr(descriptor, TCSANOW, &settings) == 0 && ::tcflush(descriptor, TCIOFLUSH) == 0;
 }
 
+/// Otherwise its descriptor is a terminal.
+bool is_socket(LinkKind kind) noexcept {
+  switch (kind) {
+    case LinkKind::serial:
+      return false;
+    case LinkKind::rfcomm:
+    case LinkKind::tcp:
+    case LinkKind::udp:
+      return true;
+  }
+  return false;
+}
+
+int ip_socket(LinkKind kind) noexcept {
+  constexpr int flags = SOCK_NONBLOCK | SOCK_CLOEXEC;
+  switch (kind) {
+    case LinkKind::tcp:
+      return ::socket(AF_INET, SOCK_STREAM | flags, 0);
+    case LinkKind::udp:
+      return ::socket(AF_INET, SOCK_DGRAM | flags, 0);
+    case LinkKind::serial:
+    case LinkKind::rfcomm:
+      break;
+  }
+  errno = EPROTONOSUPPORT;
+  return -1;
+}
+
 }  // namespace
 
 TransportError describe_transport_error(int error, const LinkAddress& address) {
@@ -145,8 +173,7 @@ tl::expected<Transport, TransportError> Transport::open_ip(const LinkAddress& ad
   robot.sin_port = htons(static_cast<std::uint16_t>(address.channel));
   if (::inet_pton(AF_INET, address.device.c_str(), &robot.sin_addr) != 1)
     return tl::unexpected(TransportError{fmt::format("{} is not an IPv4 address", address.device), true});
-  const int descriptor =
-      ::socket(AF_INET, (address.kind == LinkKind::tcp ? SOCK_STREAM : SOCK_DGRAM) | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+  const int descriptor = ip_socket(address.kind);
   if (descriptor < 0) return fail(errno, address);
   Transport transport(descriptor, /*connecting=*/true, address);
   const int on = 1;  // 21 bytes wait for no others
@@ -210,15 +237,14 @@ tl::expected<std::size_t, TransportError> Transport::read(std::span<std::uint8_t
   if (count > 0) return static_cast<std::size_t>(count);
   if (count < 0 && nothing_now(errno)) return 0;
   if (count < 0) return fail(errno, address_);
-  if (address_.kind == LinkKind::udp) return 0;                                 // an empty datagram
-  return fail(address_.kind == LinkKind::serial ? EIO : ECONNRESET, address_);  // end of file: hung up
+  if (address_.kind == LinkKind::udp) return 0;                        // an empty datagram
+  return fail(is_socket(address_.kind) ? ECONNRESET : EIO, address_);  // end of file: hung up
 }
 
 tl::expected<std::size_t, TransportError> Transport::write(std::span<const std::uint8_t> bytes) {
   // A socket whose other end is gone would raise SIGPIPE, a terminal cannot and knows no flags.
-  const ssize_t count = address_.kind == LinkKind::serial
-                            ? ::write(descriptor_, bytes.data(), bytes.size())
-                            : ::send(descriptor_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+  const ssize_t count = is_socket(address_.kind) ? ::send(descriptor_, bytes.data(), bytes.size(), MSG_NOSIGNAL)
+                                                 : ::write(descriptor_, bytes.data(), bytes.size());
   if (count >= 0) return static_cast<std::size_t>(count);
   if (nothing_now(errno)) return 0;
   return fail(errno, address_);

@@ -34,6 +34,23 @@ enum class Way {
   arrival,  ///< the same, as if every frame had been captured when its poses arrive
 };
 
+/// What each way gives the tick, and when its poses count as captured.
+struct Given {
+  bool all_poses;  // of each camera; otherwise the newest
+  bool on_arrival;
+};
+Given given(Way way) {
+  switch (way) {
+    case Way::fused:
+      return {true, false};
+    case Way::newest:
+      return {false, false};
+    case Way::arrival:
+      return {false, true};
+  }
+  return {};
+}
+
 const char* name(Way way) {
   switch (way) {
     case Way::fused:
@@ -60,7 +77,7 @@ Experiment circling(Way way) {
       "duration = 36000.0\n[arena]\nwidth = 2.0\nheight = 12.0\n[controller]\nkind = "
       "\"independent\"\n[controller.gains]\nk_xx = 0.0\nk_tt = 0.0\nk_yy = 0.0\n[shield]\nenabled = "
       "false\n[avoidance]\nenabled = false\n[reference]\nkind = \"independent\"\n[camera]\nsource = \"synthetic\"\n";
-  if (way == Way::fused) text += "[[camera.also]]\nsource = \"synthetic\"\n";
+  if (given(way).all_poses) text += "[[camera.also]]\nsource = \"synthetic\"\n";
   for (std::size_t i = 0; i < robots_at_once; ++i)
     text += fmt::format(
         "[[robot]]\ntag = {}\ntrajectory = {{ path = {{ shape = \"circle\", radius = 0.12, centre = [0.0, {:.2f}] }}, "
@@ -95,7 +112,7 @@ Crossings cross(Way way, double apart, const CamerasBench& bench) {
       pose = {pose.x + sigma_xy * normal(random), pose.y + sigma_xy * normal(random),
               core::wrap_angle(pose.theta + sigma_theta * normal(random))};
       core::Measurement& m = by_camera[camera * robots_at_once + i];
-      m = {pose, way == Way::arrival ? arrives : at, sigma_xy, sigma_theta, core::How::tracked};
+      m = {pose, given(way).on_arrival ? arrives : at, sigma_xy, sigma_theta, core::How::tracked};
       if (m.captured_at >= newest[i].captured_at) newest[i] = m;
     }
   };
@@ -117,7 +134,7 @@ Crossings cross(Way way, double apart, const CamerasBench& bench) {
     advance(now);
     TickInput input;
     input.now = now;
-    input.measurements = way == Way::fused ? by_camera : newest;
+    input.measurements = given(way).all_poses ? by_camera : newest;
     if (k == 1) input.commands = {&start, 1};
     const TickRecord& record = tick.step(input);
     for (const Event& event : record.events) {

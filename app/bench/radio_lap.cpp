@@ -119,7 +119,15 @@ class LappingRobot {
   }
   static core::MotorModel motor(const Experiment& experiment, std::size_t i) {
     const core::MotorModel own = experiment.robots[i].motor;
-    return own == core::MotorModel::ideal ? core::MotorModel::epuck2 : own;
+    switch (own) {
+      case core::MotorModel::ideal:
+        return core::MotorModel::epuck2;
+      case core::MotorModel::epuck1:
+      case core::MotorModel::epuck2:
+      case core::MotorModel::servo:
+        return own;
+    }
+    return own;
   }
   void write(double now) {
     while (session_.open() && !session_.output().empty()) {

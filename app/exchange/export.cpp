@@ -46,8 +46,17 @@ std::unique_ptr<RunExporter> exporter(const CsvReader& reader, const ExportOptio
 }  // namespace
 
 std::string export_name(const std::string& csv, ExportFormat format) {
-  const std::string extension = format == ExportFormat::csv ? "plain.csv" : std::string(word(format));
-  return std::filesystem::path(csv).replace_extension(extension).string();
+  const auto extension = [&]() -> std::string {
+    switch (format) {
+      case ExportFormat::csv:
+        return "plain.csv";
+      case ExportFormat::mcap:
+      case ExportFormat::mat:
+        break;
+    }
+    return std::string(word(format));
+  };
+  return std::filesystem::path(csv).replace_extension(extension()).string();
 }
 
 tl::expected<Exported, std::string> export_run(std::istream& csv, const std::string& file, const std::string& to,

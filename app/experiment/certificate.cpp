@@ -53,15 +53,15 @@ class CaseWatch {
   Certificate::Theorem found(bool continuous_omega) const {
     using Case = Certificate::Theorem::Case;
     Certificate::Theorem theorem{v_.least, omega_.least, continuous_omega, 0.0, Case::neither};
-    const auto take = [&](Case holds, const Since& since) {
+    const auto take = [&](Case holds, const Since& since, auto& least) {
       theorem.holds = holds;
       theorem.from = since.from;
-      (holds == Case::moving ? theorem.v : theorem.omega) = since.after;
+      least = since.after;
     };
     if (v_.after.value < infinite)
-      take(Case::moving, v_);
+      take(Case::moving, v_, theorem.v);
     else if (omega_.after.value < infinite && continuous_omega)
-      take(Case::stopping, omega_);
+      take(Case::stopping, omega_, theorem.omega);
     return theorem;
   }
 

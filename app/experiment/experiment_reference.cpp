@@ -152,8 +152,9 @@ void check_arena(const Experiment& e, const core::Reference& reference, Problems
   core::Pose farthest;
   double outside = 0.0;
   std::size_t who = 0;
+  const bool of_all = e.reference.kind == Kind::platoon;
   const auto see = [&](const core::Pose& pose, std::size_t robot) {
-    const double wide = e.reference.kind == Kind::platoon ? room : 2.0 * e.robots[robot].radius;
+    const double wide = of_all ? room : 2.0 * e.robots[robot].radius;
     const double by =
         std::max(std::abs(pose.x) - 0.5 * (e.arena_width - wide), std::abs(pose.y) - 0.5 * (e.arena_height - wide));
     if (by > outside) outside = by, farthest = pose, who = robot;

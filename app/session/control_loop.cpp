@@ -283,7 +283,8 @@ void ControlLoop::take_commands(const EventList& events) {
   if (!ends_step && !asked_more && steps_.load(std::memory_order_acquire) > 0) {
     steps_.fetch_sub(1, std::memory_order_acq_rel);
     stepping_ = now == Phase::ready || now == Phase::paused;
-    if (stepping_) obeyed_.push_back(now == Phase::ready ? OperatorCommand(commands::Start{}) : commands::Resume{});
+    if (now == Phase::ready) obeyed_.push_back(commands::Start{});
+    if (now == Phase::paused) obeyed_.push_back(commands::Resume{});
   }
 }
 

@@ -25,10 +25,18 @@ std::string calibrate_floor(const Experiment& experiment, std::size_t camera, bo
   if (!by_marks) return "skein calibrate floor";
   std::string settings;
   for (const auto& [name, value] : control_settings(spec)) settings += fmt::format(" --set {}={}", name, value);
-  // Nobody else can look through a synthetic camera: a film of the run shows what it saw.
-  return fmt::format("skein calibrate floor {} --camera {}{}",
-                     spec.kind() == CameraKind::synthetic ? "video:FILM.mkv" : spec.source,
-                     experiment.calibration_file(camera), settings);
+  const auto source = [&]() -> std::string {
+    switch (spec.kind()) {
+      case CameraKind::synthetic:  // nobody else can look through it: a film of the run shows what it saw
+        return "video:FILM.mkv";
+      case CameraKind::absent:
+      case CameraKind::recorded:
+      case CameraKind::live:
+        break;
+    }
+    return spec.source;
+  };
+  return fmt::format("skein calibrate floor {} --camera {}{}", source(), experiment.calibration_file(camera), settings);
 }
 
 }  // namespace

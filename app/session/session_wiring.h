@@ -200,7 +200,8 @@ struct SessionWiring {
   /// Why a robot's test must end; empty: it may go on.
   std::string test_ends() const {
     if (loop->stop_asked()) return "STOP was pressed";
-    return ends_test.load() || loop->phase() != Phase::ready ? "the robots are no longer ready" : "";
+    const bool ready = !ends_test.load() && loop->phase() == Phase::ready;
+    return ready ? "" : "the robots are no longer ready";
   }
 
   Answer check_pair(std::size_t i, std::size_t j) const;

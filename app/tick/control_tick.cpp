@@ -76,7 +76,18 @@ std::unique_ptr<core::Planner> make_planner(const Experiment& e, const core::Ref
 /// times its deviation. Half a millimetre is what rounding, whole steps and slip make of exact poses, one what a camera
 /// sees.
 double rise_tolerance(const Experiment& e) {
-  const double position = std::max(e.camera.kind() == CameraKind::absent ? 0.5e-3 : 1e-3, e.simulation.pose_noise);
+  const auto of_poses = [&] {
+    switch (e.camera.kind()) {
+      case CameraKind::absent:
+        return 0.5e-3;
+      case CameraKind::synthetic:
+      case CameraKind::recorded:
+      case CameraKind::live:
+        break;
+    }
+    return 1e-3;
+  };
+  const double position = std::max(of_poses(), e.simulation.pose_noise);
   constexpr double deviations = 8.0, heading_error = 0.3;  // [rad]: its slope by a heading is that heading's error
   return deviations * (e.controller.k_y * position + heading_error * e.simulation.heading_noise);
 }
@@ -464,7 +475,8 @@ void TickState::schedule_gains() noexcept {
 
 /// The formation's reference, and what field or plan makes of it; then the tracking gains that these leave (36).
 void TickState::follow_reference() noexcept {
-  reference->at(record.phase == Phase::staging ? 0.0 : record.t, nominal);
+  const bool staging = record.phase == Phase::staging;
+  reference->at(staging ? 0.0 : record.t, nominal);
   if (!running())
     for (core::ReferencePoint& point : nominal) point.twist = {};
   if (!moving())
@@ -517,8 +529,9 @@ void TickState::follow_plan() noexcept {
   release(gains.k_tt);
   release(gains.k_yy);
   // While staging the experiment's time stands still, and routes need one that goes on.
-  staging_time = record.phase == Phase::staging ? staging_time + motion_dt : 0.0;
-  const core::Planner::Scene scene{record.phase == Phase::staging ? staging_time : record.t,
+  const bool staging = record.phase == Phase::staging;
+  staging_time = staging ? staging_time + motion_dt : 0.0;
+  const core::Planner::Scene scene{staging ? staging_time : record.t,
                                    record.phase == Phase::staging,
                                    poses,
                                    driving,

@@ -48,14 +48,11 @@ class Scene {
     from_ = thickness;
     switch (passage_.kind) {
       case PassageKind::corridor:
+        corridor(side, length, far);
+        return change_sides({1, 1});
       case PassageKind::head_on:
-        for (const double y : {side, -side}) {
-          wall(-0.5 * length, y, 0.5 * length, y);
-          for (const double x : {-0.5 * length, 0.5 * length}) wall(x, y, x, y > 0.0 ? far : -far);
-        }
-        from_ = 0.5 * length + thickness;
-        return change_sides(passage_.kind == PassageKind::corridor ? std::array<std::int64_t, 2>{1, 1}
-                                                                   : passage_.robots);
+        corridor(side, length, far);
+        return change_sides(passage_.robots);
       case PassageKind::door:
         for (const double y : {side, -side}) wall(0.0, y, 0.0, y > 0.0 ? far : -far);
         return change_sides(passage_.robots);
@@ -65,6 +62,13 @@ class Scene {
         return leave_dead_end(width, length);
     }
     return false;
+  }
+  void corridor(double side, double length, double far) {
+    for (const double y : {side, -side}) {
+      wall(-0.5 * length, y, 0.5 * length, y);
+      for (const double x : {-0.5 * length, 0.5 * length}) wall(x, y, x, y > 0.0 ? far : -far);
+    }
+    from_ = 0.5 * length + thickness;
   }
   bool change_sides(const std::array<std::int64_t, 2>& robots) {
     const auto n =

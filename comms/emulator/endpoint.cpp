@@ -177,9 +177,21 @@ class SocketEndpoint final : public Endpoint {
   }
 
  private:
+  int open_socket() const {
+    switch (where_.kind) {
+      case LinkKind::tcp:
+        return open_ip_socket(where_.here, where_.channel, SOCK_STREAM);
+      case LinkKind::rfcomm:
+        return open_rfcomm_socket(where_.here, where_.channel);
+      case LinkKind::serial:
+      case LinkKind::udp:
+        break;  // nobody is admitted to these: they have endpoints of their own
+    }
+    errno = EPROTONOSUPPORT;
+    return -1;
+  }
   bool listen() {
-    listener_.reset(where_.kind == LinkKind::tcp ? open_ip_socket(where_.here, where_.channel, SOCK_STREAM)
-                                                 : open_rfcomm_socket(where_.here, where_.channel));
+    listener_.reset(open_socket());
     if (!listener_.open()) return false;
     if (::listen(listener_.get(), 1) == 0) return true;
     const int error = errno;

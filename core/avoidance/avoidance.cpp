@@ -113,8 +113,7 @@ void Avoidance::detour(std::size_t i, const AvoidanceParameters& parameters, con
   Robot& robot = robots_[i];
   const ReferenceBounds bounds = reference_bounds(gains, i);
   if (robot.state != State::detouring) {
-    const double theta = robot.state == State::nominal ? scene.poses[i].theta : robot.reference.pose.theta;
-    robot.reference.pose.theta = theta;
+    if (robot.state == State::nominal) robot.reference.pose.theta = scene.poses[i].theta;
     robot.heading = std::numeric_limits<double>::quiet_NaN();
     robot.reference.twist = {};
     robot.waited = 0.0;
@@ -203,8 +202,7 @@ void Avoidance::step(const AvoidanceParameters& parameters, const Gains& gains, 
     bool meets = false;
     if (looks_ahead && known && robot.state != State::detouring) {
       sort_ahead();
-      meets = steering_.conflict(spacious, i, ahead_.around(i),
-                                 robot.state == State::nominal ? nominal[i] : robot.reference, parameters.horizon);
+      meets = steering_.conflict(spacious, i, ahead_.around(i), follows(i, nominal), parameters.horizon);
     }
 
     if (robot.state == State::detouring || stuck || meets) {
@@ -213,7 +211,8 @@ void Avoidance::step(const AvoidanceParameters& parameters, const Gains& gains, 
       detour(i, parameters, gains, dt, spacious, nominal[i]);
     } else if (away.inside) {
       const ReferenceBounds bounds = reference_bounds(gains, i);
-      const double heading = robot.state == State::avoiding ? robot.reference.pose.theta : robot.previous.theta;
+      const bool goes_on = robot.state == State::avoiding;
+      const double heading = goes_on ? robot.reference.pose.theta : robot.previous.theta;
       robot.reference = repelled(robot.previous, heading, away.velocity, gains.v_max[i], bounds, dt);
       robot.state = State::avoiding;
       robot.straight = false;
@@ -230,7 +229,7 @@ void Avoidance::step(const AvoidanceParameters& parameters, const Gains& gains, 
     const double x_most = scene.half_width - scene.sizes.beyond(i), y_most = scene.half_height - scene.sizes.beyond(i);
     robot.reference.pose.x = std::clamp(robot.reference.pose.x, -x_most, x_most);
     robot.reference.pose.y = std::clamp(robot.reference.pose.y, -y_most, y_most);
-    reference[i] = robot.state == State::nominal ? nominal[i] : robot.reference;
+    reference[i] = follows(i, nominal);
   }
 }
 

@@ -68,6 +68,12 @@ class Avoidance {
               const ReferencePoint& nominal) noexcept;
   void come_back(std::size_t i, const Gains&, double dt, const ReferencePoint& nominal) noexcept;
 
+  /// The reference that robot i is to follow.
+  const ReferencePoint& follows(std::size_t i, std::span<const ReferencePoint> nominal) const noexcept {
+    const bool unhindered = robots_[i].state == State::nominal;
+    return unhindered ? nominal[i] : robots_[i].reference;
+  }
+
   std::vector<Robot> robots_;
   std::vector<Twist> moves_;     // expected motion of each
   NearRobots touching_, ahead_;  // robots inside a region; robots that a detour may meet

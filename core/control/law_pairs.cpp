@@ -219,7 +219,14 @@ void LawPairs::add(const Gains& gains, std::span<const TrackingError> errors, st
       break;
   }
 #if defined(__x86_64__)
-  instructions_ == Instructions::avx2 ? add_all_avx2(gains, *this, robots) : add_all_baseline(gains, *this, robots);
+  switch (instructions_) {
+    case Instructions::avx2:
+      add_all_avx2(gains, *this, robots);
+      break;
+    case Instructions::baseline:
+      add_all_baseline(gains, *this, robots);
+      break;
+  }
 #else
   add_all_baseline(gains, *this, robots);
 #endif

@@ -48,6 +48,19 @@ void StepMotor::command(double speed) noexcept {
   aim();
 }
 
+/// Of the shaft, at once. [steps]
+double StepMotor::step_size() const noexcept {
+  switch (model_) {
+    case MotorModel::epuck2:
+      return 0.5;
+    case MotorModel::epuck1:
+    case MotorModel::ideal:
+    case MotorModel::servo:
+      break;
+  }
+  return 1.0;
+}
+
 /// Time until the shaft makes its next step, or half step. [s]
 double StepMotor::until_step() const noexcept {
   if (model_ == MotorModel::epuck2) return std::max(period_ - elapsed_, 0.0);

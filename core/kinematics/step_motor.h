@@ -37,7 +37,7 @@ class StepMotor {
   void set_counter(std::int64_t steps) noexcept;
 
  private:
-  double step_size() const noexcept { return model_ == MotorModel::epuck2 ? 0.5 : 1.0; }
+  double step_size() const noexcept;
   double until_step() const noexcept;
   void fire() noexcept;
   void aim() noexcept;

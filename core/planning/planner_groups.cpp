@@ -81,7 +81,8 @@ void Planner::set_off(std::size_t i, double due) noexcept {
   // crowds of 20), but Planner.LetsThoseDriveWhoHaveAWay never ended, and crowds of 30 took as long.
   for (std::size_t j = 0; j < robots_.size(); ++j) {
     if (j == i) continue;
-    const double late = robots_[j].state == State::driving ? lag(j) : 0.0;
+    const bool drives = robots_[j].state == State::driving;
+    const double late = drives ? lag(j) : 0.0;
     shift_[i * robots_.size() + j] = late;
     shift_[j * robots_.size() + i] = -late;
   }
@@ -245,10 +246,16 @@ void Planner::go_on_with_group(const Scene& scene, std::span<const ReferencePoin
       ++g.next;
       continue;
     }
-    if (g.others != Group::Others::absent && g.next + 1 < g.order.size()) {
-      g.others = g.others == Group::Others::leave ? Group::Others::stay : Group::Others::absent;
-      continue;
-    }
+    if (g.next + 1 < g.order.size()) switch (g.others) {
+        case Group::Others::leave:
+          g.others = Group::Others::stay;
+          continue;
+        case Group::Others::stay:
+          g.others = Group::Others::absent;
+          continue;
+        case Group::Others::absent:
+          break;
+      }
     ++g.attempt;
     if (g.best_arrival < never) {  // the plan that there is, is good enough
       end_group(scene);

@@ -99,8 +99,19 @@ void Planner::ask_for_improvement(const Scene& scene, std::span<const ReferenceP
       continue;
     }
     const double clock = clock_for(j, i, g.began);
-    traffic_.drives(j, g.role[j] == Role::keeps_on ? robots_[j].route : g.routes[j], clock);
-    if (g.role[j] == Role::gives_way || g.role[j] == Role::asked) traffic_.leaves(j, g.from[j] - clock + leaves_within);
+    switch (g.role[j]) {
+      case Role::keeps_on:
+        traffic_.drives(j, robots_[j].route, clock);
+        break;
+      case Role::gives_way:
+      case Role::asked:
+        traffic_.drives(j, g.routes[j], clock);
+        traffic_.leaves(j, g.from[j] - clock + leaves_within);
+        break;
+      case Role::planned:
+        traffic_.drives(j, g.routes[j], clock);
+        break;
+    }
   }
   spent_ += 10 * n;
   begin_search(i, g.routes[i].end(), g.from[i] - clock_for(i, i, g.began), scene);

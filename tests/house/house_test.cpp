@@ -42,6 +42,14 @@ TEST(House, HasNoCycles) {
   for (const std::string& cycle : cycles_in(all)) ADD_FAILURE() << cycle;
 }
 
+/// Where the question is only whether it is that one ("while it is paused"), a bool with a name says so.
+TEST(House, ChoosesByEnumeratorsWithSwitches) {
+  std::vector<SourceFile> all;
+  for (const char* room : {"core", "vision", "comms", "app", "ui"})
+    for (SourceFile& file : sources_of(room)) all.push_back(std::move(file));
+  for (const std::string& choice : choices_by_one_enumerator(all)) ADD_FAILURE() << choice;
+}
+
 /// Somebody sets the clock, or the network does, in the middle of a run: nothing that waits or judges may notice.
 TEST(House, OnlyNamesAndStampsOfFilesAskTheClockThatPeopleSet) {
   const std::regex asks(
@@ -189,6 +197,16 @@ TEST(Rules, ReportCyclesOfUnitsAndOfFolders) {
   EXPECT_EQ(cycles_in({a, header}).size(), 0u);
   EXPECT_EQ(cycles_in({a, b, header}).size(), 2u) << "a unit is a header with its source";
   EXPECT_EQ(cycles_in({a, header, other, four}).size(), 1u) << "folders alone";
+}
+
+TEST(Rules, ReportChoicesByOneEnumerator) {
+  const SourceFile header{"core/a/colour.h", "enum class Colour : int {\n  red,  // or green?\n  blue = 2\n};\n"};
+  const auto found = [&](const char* text) { return choices_by_one_enumerator({header, {"app/b/c.cpp", text}}); };
+  EXPECT_EQ(found("int x = c == Colour::red ? 1 : 2;").size(), 1U);
+  EXPECT_EQ(found("int x = (c.of() !=\n core::Colour::blue) ? 1 : 2;").size(), 1U);
+  EXPECT_EQ(found("\nint x = c == Colour::red\n ? 1 : 2;").at(0).substr(0, 14), "app/b/c.cpp:2:");
+  EXPECT_TRUE(found("const bool red = c == Colour::red;\nint x = red ? 1 : 2;").empty());
+  EXPECT_TRUE(found("int x = n == Limits::most ? 1 : 2;").empty()) << "no enumerator";
 }
 
 TEST(Rules, ReadTheTable) {

@@ -304,6 +304,27 @@ std::vector<string> cycles_in(const std::vector<SourceFile>& files) {
   return found;
 }
 
+std::vector<std::string> choices_by_one_enumerator(const std::vector<SourceFile>& files) {
+  const std::regex declaration(R"(enum class (\w+)[^{;]*\{([^}]*)\})"), comment("//[^\n]*"), enumerator(R"(\w+)");
+  const std::regex choice(R"([!=]=\s*(?:\w+::)*(\w+)::(\w+)\s*\)?\s*\?)");
+  std::set<std::pair<std::string, std::string>> enumerators;
+  for (const SourceFile& file : files)
+    for (std::sregex_iterator e(file.text.begin(), file.text.end(), declaration), none; e != none; ++e) {
+      const std::string body = std::regex_replace((*e)[2].str(), comment, "");
+      for (std::sregex_iterator name(body.begin(), body.end(), enumerator); name != none; ++name)
+        enumerators.emplace((*e)[1], name->str());
+    }
+  std::vector<std::string> found;
+  for (const SourceFile& file : files)
+    for (std::sregex_iterator c(file.text.begin(), file.text.end(), choice), none; c != none; ++c) {
+      if (!enumerators.contains({(*c)[1], (*c)[2]})) continue;
+      const auto line = 1 + std::count(file.text.begin(), file.text.begin() + c->position(), '\n');
+      found.push_back(file.path + ":" + std::to_string(line) + ": ? : by " + (*c)[1].str() + "::" + (*c)[2].str() +
+                      ": a new enumerator would silently be one of the others; a switch has to handle it");
+    }
+  return found;
+}
+
 std::vector<SourceFile> sources_of(const string& room) {
   const std::filesystem::path root = test::in_source("");
   std::vector<SourceFile> files;

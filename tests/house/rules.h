@@ -27,6 +27,9 @@ std::vector<std::string> broken_rules(const SourceFile& file, const Arrows& arro
 /// The cycles of includes among `files`, of units (a header with its source) and of folders, one sentence each.
 std::vector<std::string> cycles_in(const std::vector<SourceFile>& files);
 
+/// The places in `files` where `? :` chooses by one enumerator of an enumeration that they declare, one sentence each.
+std::vector<std::string> choices_by_one_enumerator(const std::vector<SourceFile>& files);
+
 /// The sources of one room, read from the disk.
 std::vector<SourceFile> sources_of(const std::string& room);
 

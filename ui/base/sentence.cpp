@@ -118,10 +118,20 @@ QString sentence(const app::Event& event) {
             return tr("The film broke off (is the disk full?): no more frames are recorded, the run goes on");
           },
           [&](const app::events::Link& e) {
-            return (e.state == app::LinkState::up
-                        ? tr("The link of robot %1 is up again; release the robot when it may drive")
-                        : tr("The link of robot %1 is lost: it was told to stop"))
-                .arg(e.robot + 1);
+            switch (e.state) {
+              case app::LinkState::up:
+                return tr("The link of robot %1 is up again; release the robot when it may drive").arg(e.robot + 1);
+              case app::LinkState::simulated:
+              case app::LinkState::recorded:
+              case app::LinkState::down:
+              case app::LinkState::connecting:
+              case app::LinkState::synchronising:
+              case app::LinkState::stale:
+              case app::LinkState::failed:
+              case app::LinkState::closed:
+                break;
+            }
+            return tr("The link of robot %1 is lost: it was told to stop").arg(e.robot + 1);
           },
           [&](const Parameter& e) {
             return tr("%1 of the law goes from %2 to %3")

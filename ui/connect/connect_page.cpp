@@ -194,8 +194,7 @@ void ConnectPage::set_working(bool working) {
 void ConnectPage::say(const QString& text, Severity severity) {
   said_ = severity;
   QPalette coloured = palette();
-  coloured.setColor(QPalette::WindowText, severity == Severity::note ? palette().color(QPalette::WindowText)
-                                                                     : colour(severity, colours(palette())));
+  if (severity != Severity::note) coloured.setColor(QPalette::WindowText, colour(severity, colours(palette())));
   status_->setPalette(coloured);
   if (text == status_->text()) return;
   status_->setText(text);

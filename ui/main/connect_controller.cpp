@@ -40,6 +40,19 @@ bool succeeded(Kind kind, const app::RobotSetup& robot) {
   return false;
 }
 
+/// Of the news while it works.
+Severity severity_of(app::SetupTask::Kind kind) {
+  switch (kind) {
+    case app::SetupTask::Kind::test:  // robots drive
+      return Severity::warning;
+    case app::SetupTask::Kind::scan:
+    case app::SetupTask::Kind::pair:
+    case app::SetupTask::Kind::ping:
+      break;
+  }
+  return Severity::notice;
+}
+
 }  // namespace
 
 ConnectController::ConnectController(Runs& runs, EditorController& editor, const Messages& messages, QObject* parent)
@@ -97,9 +110,9 @@ void ConnectController::say(const QString& text, Severity severity) {
 std::vector<std::pair<std::size_t, app::RobotSetup>> ConnectController::chosen_for(Kind kind, QString& why) const {
   std::vector<std::pair<std::size_t, app::RobotSetup>> chosen;
   const std::vector<std::size_t> rows = page_->chosen();
+  const bool pairs = kind == Kind::pair;
   for (const std::size_t row : rows)
-    if (kind == Kind::pair ? robots_[row].is_bluetooth() : robots_[row].spec.has_link())
-      chosen.emplace_back(row, robots_[row]);
+    if (pairs ? robots_[row].is_bluetooth() : robots_[row].spec.has_link()) chosen.emplace_back(row, robots_[row]);
   if (rows.empty())
     why = tr("Choose robots in the table first (Ctrl+A: all of them)");
   else if (kind == Kind::pair)
@@ -208,8 +221,7 @@ void ConnectController::take(const app::SetupNews& news) {
   if (kind_ == Kind::scan) good_ += news.found.size();
   for (const std::string& warning : news.warnings) messages_.note(QString::fromStdString(warning), Severity::alarm);
   if (!news.over && !news.doing.empty())
-    say(stopped_ ? tr("Stopping …") : QString::fromStdString(news.doing),
-        kind_ == Kind::test ? Severity::warning : Severity::notice);
+    say(stopped_ ? tr("Stopping …") : QString::fromStdString(news.doing), severity_of(kind_));
 }
 
 void ConnectController::tell_end(const app::SetupNews& news) {

@@ -689,8 +689,8 @@ void MainWindow::on_frame(double now) {
   const app::Phase phase = runs_.shown().phase();
   // Where the eye is; what the banner says already needs no second line.
   const bool over = phase == app::Phase::stopped || phase == app::Phase::finished;
-  arena_->set_alert(over ? QString() : alert_->loud_beside_banner(),
-                    alert_->severity() == Severity::alarm ? c.alarm_fill : c.warning);
+  const bool alarm = alert_->severity() == Severity::alarm;
+  arena_->set_alert(over ? QString() : alert_->loud_beside_banner(), alarm ? c.alarm_fill : c.warning);
   files_->refresh();
   take_reopened({});
   replay_->refresh();

@@ -37,6 +37,20 @@ auto known(Value value) {
 
 }  // namespace
 
+QColor colour_of(PlotRow::Of of, std::size_t curve, const Colours& colours) {
+  switch (of) {
+    case PlotRow::Of::robot:
+    case PlotRow::Of::couple:
+    case PlotRow::Of::stage:
+      return colours.robot(curve);
+    case PlotRow::Of::pair:
+      return colours.pair(curve);
+    case PlotRow::Of::group:
+      return colours.text;
+  }
+  return colours.text;
+}
+
 std::optional<std::pair<std::size_t, std::size_t>> robots_of(PlotRow::Of of, std::size_t curve, std::size_t robots) {
   switch (of) {
     case PlotRow::Of::robot:

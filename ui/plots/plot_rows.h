@@ -1,5 +1,6 @@
 #pragma once
 
+#include <QColor>
 #include <QString>
 #include <functional>
 #include <optional>
@@ -8,6 +9,7 @@
 
 #include "app/experiment/experiment.h"
 #include "app/run/tick_record.h"
+#include "ui/base/palette.h"
 
 namespace skein::ui {
 
@@ -33,6 +35,8 @@ struct PlotRow {
 
 /// Every plot there is for an experiment.
 std::vector<PlotRow> plot_rows(const app::Experiment& experiment);
+/// In which a curve is drawn.
+QColor colour_of(PlotRow::Of of, std::size_t curve, const Colours& colours);
 /// The robots, from 0, of a row's curve, of `robots` in all: one robot twice, two robots, or none for the group or a
 /// stage.
 std::optional<std::pair<std::size_t, std::size_t>> robots_of(PlotRow::Of of, std::size_t curve, std::size_t robots);

@@ -514,18 +514,17 @@ void PlotView::style() {
 
 PlotView::Look PlotView::look_of(const PlotRow& row, std::size_t curve) const {
   constexpr std::size_t hues = 7;  // then they come round again
+  const QColor colour = colour_of(row.of, curve, colours_);
   switch (row.of) {
+    case PlotRow::Of::couple:
+      return {colour, curve >= hues ? Qt::DashLine : Qt::SolidLine};
     case PlotRow::Of::robot:
     case PlotRow::Of::stage:
-      return {colours_.robot(curve)};
     case PlotRow::Of::pair:
-      return {colours_.pair(curve)};
-    case PlotRow::Of::couple:
-      return {colours_.robot(curve), curve >= hues ? Qt::DashLine : Qt::SolidLine};
     case PlotRow::Of::group:
-      return {colours_.text};
+      break;
   }
-  return {};
+  return {colour};
 }
 
 void PlotView::style_curve(QCPGraph* graph, const PlotRow& row, std::size_t curve,

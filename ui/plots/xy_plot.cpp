@@ -45,7 +45,7 @@ void XyPlot::set_rows(const PlotRow& x, const PlotRow& y, const Colours& colours
     axis->grid()->setZeroLinePen(QPen(colours.axis));
   }
   for (std::size_t c = 0; c < y.curves.size(); ++c) {
-    const QColor colour = y.of == PlotRow::Of::pair ? colours.pair(c) : colours.robot(c);
+    const QColor colour = colour_of(y.of, c, colours);
     auto* curve = new QCPCurve(xAxis, yAxis);
     curve->setPen(QPen(colour, 1.5));
     curves_.push_back(curve);

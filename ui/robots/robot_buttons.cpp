@@ -103,15 +103,15 @@ void RobotButtons::dress_test() {
   const bool none = selected_ < 0 || i >= specs_.size();
   const bool simulated = !none && !specs_[i].has_link();
   const bool up = !none && i < state_.links.size() && state_.links[i].link == app::LinkState::up;
+  const bool ready = state_.phase == app::Phase::ready;
   const QString text = none ? tr("Test a robot") : tr("Test robot %1").arg(selected_ + 1);
   const QString why_not = none           ? tr("Select a robot first: here, or in the arena")
                           : simulated    ? tr("This robot is simulated: it has neither link nor battery")
                           : testing_     ? tr("One at a time")
                           : !state_.open ? tr("No experiment is open")
-                          : state_.phase != app::Phase::ready
-                              ? tr("Robots can be tested only before a start, while they stand")
-                          : !up ? tr("Its link is not up")
-                                : QString();
+                          : !ready       ? tr("Robots can be tested only before a start, while they stand")
+                          : !up          ? tr("Its link is not up")
+                                         : QString();
   say(test_, testing_ ? tr("Testing …") : text,
       why_not.isEmpty() ? tr("Turns each wheel about 1 cm forward, and reports whether the robot executes its commands")
                         : why_not,

@@ -81,7 +81,8 @@ RunState ReplayRun::state() const {
 }
 
 Notice ReplayRun::banner() const {
-  return {row().phase == app::Phase::paused ? tr("Replay – it was paused here") : tr("Replay")};
+  const bool paused = row().phase == app::Phase::paused;
+  return {paused ? tr("Replay – it was paused here") : tr("Replay")};
 }
 
 Notice ReplayRun::lasting_alert() const {

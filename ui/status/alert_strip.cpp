@@ -206,12 +206,22 @@ void AlertStrip::show_text() {
   update();
 }
 
+QString AlertStrip::loud_beside_banner() const {
+  switch (shown_.also) {
+    case Also::nowhere:
+      return loud();
+    case Also::in_banner:
+      break;
+  }
+  return {};
+}
+
 // Drawn by hand: a palette of its own would not follow when the program changes from light to dark.
 void AlertStrip::paintEvent(QPaintEvent*) {
   QPainter p(this);
   const Colours c = colours(palette());
-  const bool loud = shown_.severity == Severity::alarm || shown_.severity == Severity::warning;
-  const QColor background = shown_.severity == Severity::alarm ? c.alarm_fill : colour(shown_.severity, c);
+  const bool alarm = shown_.severity == Severity::alarm, loud = alarm || shown_.severity == Severity::warning;
+  const QColor background = alarm ? c.alarm_fill : colour(shown_.severity, c);
   if (loud) p.fillRect(rect(), background);
   p.setPen(loud ? ink_on(background) : shown_.text.isEmpty() ? c.faint_text : background);
   const QRect room = rect().adjusted(8, 0, -8, 0);

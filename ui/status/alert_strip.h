@@ -38,7 +38,7 @@ class AlertStrip final : public QLabel {
   /// The warning or alarm that is shown now; empty: there is none.
   QString loud() const { return shown_.severity >= Severity::warning ? shown_.text : QString(); }
   /// The same where the banner does not say it already.
-  QString loud_beside_banner() const { return shown_.also == Also::nowhere ? loud() : QString(); }
+  QString loud_beside_banner() const;
   Severity severity() const { return shown_.severity; }
   void refresh();  ///< lets old news fade
 

@@ -299,7 +299,8 @@ std::vector<CameraFinding> CameraExamination::judge(const CameraMeasurements& m)
   using State = CameraFinding::State;
   std::vector<CameraFinding> findings;
   const auto say = [&](State state, const char* what, std::string found, std::string remedy) {
-    findings.push_back({state, what, std::move(found), state == State::well ? std::string() : std::move(remedy)});
+    if (state == State::well) remedy.clear();
+    findings.push_back({state, what, std::move(found), std::move(remedy)});
   };
   const auto graded = [](double value, double some, double much) {
     return value >= much ? State::ill : value >= some ? State::note : State::well;
