@@ -154,7 +154,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
       ->type_name("FILE.MKV");
   run_command
       .add_option("--crops", run_request.crops,
-                  "write a picture of each tag that is not seen to this folder (with --keep: to the run's own)")
+                  "write a picture of each tag that is not seen to this folder (--keep writes them to the run's own)")
       ->type_name("DIR");
   CLI::Option* const keep = run_command.add_flag(
       "--keep", run_request.keep, "keep the run with all its inputs in a folder of its own (docs/runs.md)");

@@ -24,6 +24,7 @@
 #include "app/runs/run_folder.h"
 #include "app/session/camera_film.h"
 #include "app/session/session.h"
+#include "app/session/tag_crops.h"
 
 namespace skein::app {
 namespace {
@@ -93,6 +94,8 @@ int run(const RunRequest& request) {
   options.sinks = {&statistics, &progress};
   options.video = request.video;
   options.guard = true;
+  TagCrops crops;
+  options.crops = &crops;
   std::vector<std::unique_ptr<CsvFile>> files;
   std::error_code ignored;
   for (const std::string& film : film_paths(*experiment, request.video)) {
@@ -146,10 +149,13 @@ int run(const RunRequest& request) {
   }
   const auto keep = [&](const Statistics::Summary& summary, int status, std::vector<std::string> problems,
                         const std::string& film) {
-    if (const auto ended = kept->end(summary, {status, std::move(problems), film}); !ended)
+    if (const auto ended = kept->end(summary, {status, std::move(problems), film, {}, crops.all()}); !ended)
       complain(fmt::format("{}: the run is kept, but incomplete: {}", kept->folder(), ended.error()));
   };
-  options.crops = request.crops.empty() && kept ? kept->folder() : request.crops;
+  std::vector<std::string> for_crops;
+  if (!request.crops.empty()) for_crops.push_back(request.crops);
+  if (kept) for_crops.push_back(kept->folder());
+  crops.begin(std::move(for_crops));
   auto session = Session::open(*experiment, clock, options);
   if (!session) {
     complain(session.error());

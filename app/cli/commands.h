@@ -26,7 +26,7 @@ std::optional<Experiment> load(const ExperimentRequest& request);
 struct RunRequest {
   ExperimentRequest experiment;
   std::string csv, report, video, speed;  ///< speed: "max", "realtime" or empty: max if nothing is real
-  std::string crops;                      ///< folder for pictures of tags that are not seen; empty: a kept run's own
+  std::string crops;                      ///< folder for pictures of tags that are not seen, beside a kept run's own
   bool keep = false;                      ///< in a folder of its own below `runs_directory`
   std::string runs_directory;             ///< empty: runs_directory() says which
   std::vector<std::string> words;         ///< of the command line, for the record of a kept run

@@ -191,6 +191,19 @@ std::string perturbations(const Statistics::Summary& summary) {
   return html + "</tbody></table>\n";
 }
 
+std::string tags_not_seen(const std::vector<PageCrop>& crops) {
+  if (crops.empty()) return {};
+  std::string html = "<h2>Tags not seen</h2>\n<div class=\"tags\">\n";
+  for (const PageCrop& crop : crops)
+    html += fmt::format("<figure>{}<figcaption>Robot {}: {}</figcaption></figure>\n",
+                        crop.png.empty()
+                            ? std::string()
+                            : fmt::format("<img alt=\"The camera's picture of it\" src=\"data:image/png;base64,{}\">",
+                                          base64(crop.png)),
+                        crop.robot + 1, escaped(crop.sentence));
+  return html + "</div>\n";
+}
+
 std::string facts(const Experiment& experiment, const Statistics::Summary& summary) {
   std::string html;
   const auto add = [&](const char* what, const std::string& value) {
@@ -273,6 +286,7 @@ tl::expected<Page, std::string> report_page(std::istream& csv, const std::string
                                            {"grid", fmt::format("{:g} m", film.grid())},
                                            {"figures", *drawn},
                                            {"perturbations", perturbations(summary)},
+                                           {"not_seen", tags_not_seen(origin.crops)},
                                            {"events", events},
                                            {"summary", values},
                                            {"experiment_name", escaped(reader->head().name + ".toml")},

@@ -9,10 +9,18 @@
 
 namespace skein::app {
 
+/// A tag that was not seen.
+struct PageCrop {
+  std::size_t robot = 0;
+  std::string sentence;  ///< why
+  std::string png;       ///< what the camera showed of it; empty: nothing
+};
+
 /// The contents of a page in addition to the run's CSV.
 struct PageOrigin {
   std::string sentence;               ///< when, where and by which program it was made; empty: only the program
   std::vector<std::string> problems;  ///< a sentence each
+  std::vector<PageCrop> crops{};
 };
 
 struct Page {

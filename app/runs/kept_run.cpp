@@ -234,6 +234,8 @@ Done KeptRun::end(const Statistics::Summary& summary, const End& how) {
   story["exit_status"] = how.exit_status;
   story["problems"] = how.problems;
   for (const std::string& set : how.sets) story["sets"].push_back(set);
+  for (const TagCrop& crop : how.crops)
+    story["not_seen"].push_back({{"robot", crop.robot + 1}, {"sentence", crop.sentence}, {"file", crop.file}});
   story["summary"] = summary_object(summary);
   Json files = Json::object();
   for (const std::string& name : files_of_run(folder_))

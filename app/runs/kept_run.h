@@ -9,6 +9,7 @@
 
 #include "app/experiment/experiment.h"
 #include "app/record/statistics.h"
+#include "app/session/tag_crops.h"
 
 namespace skein::app {
 
@@ -38,6 +39,7 @@ class KeptRun {
     std::vector<std::string> problems;  ///< sentences: failed expectations, errors
     std::string film;                   ///< of the run, of which the folder gets one; empty: none
     std::vector<std::string> sets{};    ///< --set for what the operator changed during the run
+    std::vector<TagCrop> crops{};       ///< tags that were not seen; their files are in the folder already
   };
   /// Figures, film, summary and hashes. The error says what is missing; everything else is written.
   tl::expected<void, std::string> end(const Statistics::Summary& summary, const End& how);

@@ -37,6 +37,7 @@ tl::expected<void, std::string> RunKeeper::begin(const KeepRequest& request, con
   } catch (const std::exception& error) {
     return tl::unexpected(std::string(error.what()));
   }
+  crops_.begin({run->folder()});
   const std::lock_guard lock(mutex_);
   experiment_ = experiment;
   run_ = std::move(*run);
@@ -96,7 +97,8 @@ tl::expected<void, std::string> RunKeeper::end(const SessionFacts& facts, const 
   std::vector<std::string> sets;
   for (const OperatorAction& action : done_->all())
     sets.push_back(set_of(action, experiment_->actions.size() + sets.size() + 1));
-  return run_->end(summary, {verdict.exit_status, std::move(verdict.problems), film, std::move(sets)});
+  crops_.end_files();  // the session may go on
+  return run_->end(summary, {verdict.exit_status, std::move(verdict.problems), film, std::move(sets), crops_.all()});
 }
 
 }  // namespace skein::app

@@ -12,6 +12,7 @@
 #include "app/record/statistics.h"
 #include "app/runs/kept_run.h"
 #include "app/runs/run_end.h"
+#include "app/session/tag_crops.h"
 
 namespace skein::app {
 
@@ -26,6 +27,8 @@ class RunKeeper final : public RecordSink {
   bool keeps() const;           ///< begun, and not ended
   std::string folder() const;   ///< empty: not begun
   std::string problem() const;  ///< why the record ends early; empty: it does not
+  /// The tags that are not seen; of a session that gives them, the folder gets those of the run.
+  TagCrops& crops() noexcept { return crops_; }
 
   void record(const TickRecord& record) override;
 
@@ -40,6 +43,7 @@ class RunKeeper final : public RecordSink {
   std::optional<Statistics> statistics_;
   std::optional<ActionsDone> done_;
   std::unique_ptr<CsvFile> file_;
+  TagCrops crops_;
   std::string problem_;
   bool takes_rows_ = false;
 };

@@ -18,7 +18,6 @@
 #include "app/experiment/control_settings.h"
 #include "app/run/timing.h"
 #include "app/session/camera_film.h"
-#include "vision/recording/picture_file.h"
 #include "vision/sources/open_source.h"
 #include "vision/tags/tag_family.h"
 
@@ -399,18 +398,19 @@ std::vector<UnseenTag> CameraRig::why_not_seen() {
   return unseen;
 }
 
+std::size_t CameraRig::robot_of(int tag) const {
+  return static_cast<std::size_t>(std::find(wanted_.begin(), wanted_.end(), tag) - wanted_.begin());
+}
+
 UnseenTag CameraRig::unseen_tag(const vision::Frame& frame, const vision::TagDiagnosis& tag) const {
   UnseenTag unseen{tag.tag, tag.why, vision::sentence(tag, calibration_)};
   if (tag.size > 0.0) unseen.size = tag.size;
   vision::Frame crop = vision::picture_of(frame, tag);
   if (crop.width == 0) return unseen;
-  if (!crops_.empty()) {
-    const std::string camera = experiment_.cameras() == 1 ? "" : fmt::format("camera-{}-", number_ + 1);
-    const std::string path = fmt::format("{}/{}tag-{}.png", crops_, camera, tag.tag);
-    const auto written = vision::write_png(crop, path);
-    unseen.file = written ? path : written.error();
-  }
   unseen.picture = std::make_shared<const Picture>(Picture{crop.width, crop.height, std::move(crop.grey)});
+  if (crops_)
+    unseen.file = crops_->add({robot_of(tag.tag), crop_file(tag.tag, number_, experiment_.cameras()),
+                               prefix_ + unseen.sentence, unseen.picture});
   return unseen;
 }
 
@@ -451,7 +451,7 @@ void CameraRig::explain(const vision::Frame& frame, std::span<const vision::Miss
     unseen.push_back(unseen_tag(frame, tag));
   const std::lock_guard lock(absence_mutex_);
   for (const UnseenTag& tag : unseen) {
-    const auto robot = static_cast<std::size_t>(std::find(wanted_.begin(), wanted_.end(), tag.tag) - wanted_.begin());
+    const std::size_t robot = robot_of(tag.tag);
     why_lost_[robot] = tag;
     const bool ever = std::any_of(missing.begin(), missing.end(),
                                   [&](const vision::MissingTag& one) { return one.tag == tag.tag && one.last; });

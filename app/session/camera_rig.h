@@ -22,6 +22,7 @@
 #include "app/session/last_sights.h"
 #include "app/session/newest.h"
 #include "app/session/simulated_world.h"
+#include "app/session/tag_crops.h"
 #include "vision/calibration/calibration.h"
 #include "vision/diagnosis/diagnosis.h"
 #include "vision/diagnosis/focus_watch.h"
@@ -71,9 +72,8 @@ class CameraRig {
 
   /// Records every frame of the tracker in a film. To be called before the first frame.
   tl::expected<void, std::string> keep(const std::string& path);
-  /// Writes a picture of each tag that is not seen to this folder, over older ones: tag-3.png, of a further camera
-  /// camera-2-tag-3.png. To be called before the first frame.
-  void keep_crops(const std::string& folder) { crops_ = folder; }
+  /// Gives these a picture of each tag that is not seen; they must outlive it. To be called before the first frame.
+  void keep_crops(TagCrops* crops) { crops_ = crops; }
   /// Ends the film. The returned function completes the file, on any thread, even when the rig is gone; null: there is
   /// no film any more.
   std::function<VideoStatus()> end_film();
@@ -138,6 +138,7 @@ class CameraRig {
   void answer_question();
   void explain_absences();
   void explain(const vision::Frame& frame, std::span<const vision::MissingTag> missing);
+  std::size_t robot_of(int tag) const;
   UnseenTag unseen_tag(const vision::Frame& frame, const vision::TagDiagnosis& tag) const;
   void watch_marks();
   void watch_tags();
@@ -150,7 +151,7 @@ class CameraRig {
   const CameraSpec& spec_;
   const std::size_t number_;
   const std::string prefix_;  // of its messages
-  std::string crops_;         // folder; empty: none
+  TagCrops* crops_ = nullptr;
   SessionClock& clock_;
   SimulatedWorld& world_;
   vision::Calibration calibration_;

@@ -29,8 +29,8 @@ tl::expected<void, std::string> Cameras::keep(const std::string& path) {
   return {};
 }
 
-void Cameras::keep_crops(const std::string& folder) {
-  for (Each& camera : all_) camera.rig->keep_crops(folder);
+void Cameras::keep_crops(TagCrops* crops) {
+  for (Each& camera : all_) camera.rig->keep_crops(crops);
 }
 
 void Cameras::start() {

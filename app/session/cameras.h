@@ -25,7 +25,7 @@ class Cameras {
   /// Records the frames of each camera, in the files of film_paths. To be called before the first frame.
   tl::expected<void, std::string> keep(const std::string& path);
   /// As CameraRig's.
-  void keep_crops(const std::string& folder);
+  void keep_crops(TagCrops* crops);
   void start();
   void end();
   /// As CameraRig's, of all; null: there is none.

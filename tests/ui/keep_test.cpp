@@ -12,6 +12,7 @@
 #include "operator.h"
 #include "tests/places.h"
 #include "ui/base/settings.h"
+#include "ui/main/result_controller.h"
 #include "ui/status/alert_strip.h"
 
 namespace skein::ui::test {
@@ -104,6 +105,51 @@ TEST_F(Keep, ARunWithACameraHasItsFilmIfThatIsWanted) {
     from_film = from_film || step.finding.find("frames of the film") != std::string::npos;
   }
   EXPECT_TRUE(from_film);
+}
+
+TEST_F(Keep, ARunHasThePictureOfATagThatWasNotSeen) {
+  const auto experiment = app::load_experiment(skein::test::in_source("resources/experiments/platoon-loopback.toml"),
+                                               {"duration=60", "operator.1={t=0.4, does=\"move r2 x=3 y=3 theta=0\"}"});
+  ASSERT_TRUE(experiment) << "beyond what the camera sees";
+  QSignalSpy kept(&live(), &LiveRun::kept);
+  start(*experiment);
+  ASSERT_TRUE(live().keeps());
+  const QString folder = live().kept_folder(), sentence = QStringLiteral("no tag 2 is in the picture");
+  ASSERT_TRUE(eventually([&] { return !live().crops().empty(); }));
+  EXPECT_EQ(live().crops().front().robot, 1U);
+  EXPECT_TRUE(QFile::exists(folder + QStringLiteral("/tag-2.png"))) << "at once";
+  window.stop();
+
+  // The report of the run that is shown, in a folder of its own.
+  settings().setValue(QStringLiteral("recordings"), directory_.filePath(QStringLiteral("reports")));
+  QSignalSpy saved(window.findChild<ResultController*>(), &ResultController::saved);
+  find<QPushButton>("save_results")->click();
+  ASSERT_TRUE(eventually([&] { return saved.size() == 1; }));
+  EXPECT_EQ(saved[0][1].toStringList().join(' ').toStdString(), "");
+  const auto shows_it = [&](const QString& report) {
+    QFile page(report + QStringLiteral("/report.html"));
+    EXPECT_TRUE(page.open(QIODevice::ReadOnly)) << report.toStdString();
+    const QString html = QString::fromUtf8(page.readAll());
+    return html.contains(QStringLiteral("data:image/png;base64,")) && html.contains(sentence);
+  };
+  settings().remove(QStringLiteral("recordings"));
+  EXPECT_TRUE(shows_it(saved[0][0].toString()));
+
+  ASSERT_TRUE(eventually([&] { return kept.size() == 1; }));
+  const auto found = app::verify_run(folder.toStdString());
+  ASSERT_TRUE(found) << found.error();
+  for (const auto& step : found->steps) EXPECT_TRUE(step.holds) << step.what << ": " << step.finding;
+  const auto story = app::read_story(folder.toStdString());
+  ASSERT_TRUE(story && story->contains("not_seen"));
+  EXPECT_EQ((*story)["not_seen"][0]["sentence"], sentence.toStdString());
+
+  // That of its replay, in its own.
+  window.open_recording(folder + QStringLiteral("/run.csv"));
+  ASSERT_TRUE(eventually([&] { return window.windowTitle().contains(QStringLiteral("replay")); }));
+  find<QPushButton>("save_results")->click();
+  ASSERT_TRUE(eventually([&] { return saved.size() == 2; }));
+  EXPECT_EQ(saved[1][0].toString(), folder);
+  EXPECT_TRUE(shows_it(folder));
 }
 
 TEST_F(Keep, AFilmOfARunThatNeverBeganIsRemoved) {

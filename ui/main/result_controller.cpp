@@ -33,14 +33,18 @@ void ResultController::save() {
         tr("The report was not saved"),
         tr("%1 cannot be made.").arg(folder.isEmpty() ? RecordingController::directory() : folder));
   messages_.say(tr("Saving the report …"), Severity::note);
-  saving_ = std::async(std::launch::async, [folder, kept, rows = std::move(rows), experiment = run.experiment()] {
-    return write(folder, kept, rows, experiment);
-  });
+  std::vector<app::TagCrop> crops;  // a kept run has its own
+  if (!run.is_complete()) crops = runs_.live().crops();
+  saving_ = std::async(std::launch::async,
+                       [folder, kept, rows = std::move(rows), experiment = run.experiment(), crops = std::move(crops)] {
+                         return write(folder, kept, rows, experiment, crops);
+                       });
 }
 
 /// Aside: gnuplot draws for a second. Whatever fails, the rest is written.
 ResultController::Saved ResultController::write(const QString& folder, bool kept, const RunHistory::Rows& rows,
-                                                const app::Experiment& experiment) {
+                                                const app::Experiment& experiment,
+                                                const std::vector<app::TagCrop>& crops) {
   Saved saved{folder, {}};
   const auto place = [&](const char* name) { return folder + QLatin1Char('/') + QLatin1String(name); };
   const auto note = [&](const std::string& sentence) { saved.problems << QString::fromStdString(sentence); };
@@ -67,8 +71,10 @@ ResultController::Saved ResultController::write(const QString& folder, bool kept
     auto figures = app::check_report(folder.toStdString());
     if (figures) figures = app::write_report(folder.toStdString(), experiment, statistics.summary());
     if (!figures) note(figures.error());
+    for (const app::TagCrop& crop : crops)
+      if (const auto drawn = app::write_crop(crop, folder.toStdString()); !drawn) note(drawn.error());
   }
-  if (const auto page = app::page_of_run(csv, kept ? folder.toStdString() : std::string())) {
+  if (const auto page = app::page_of_run(csv, kept ? folder.toStdString() : std::string(), crops)) {
     put("report.html", QByteArray::fromStdString(page->html));
     for (const std::string& warning : page->warnings) note(warning);
   } else {

@@ -27,7 +27,8 @@ class ResultController final : public QObject {
     QString folder;
     QStringList problems;
   };
-  static Saved write(const QString& folder, bool kept, const RunHistory::Rows& rows, const app::Experiment& experiment);
+  static Saved write(const QString& folder, bool kept, const RunHistory::Rows& rows, const app::Experiment& experiment,
+                     const std::vector<app::TagCrop>& crops);
 
   const Runs& runs_;
   const Messages& messages_;

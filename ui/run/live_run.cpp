@@ -84,6 +84,7 @@ void LiveRun::open(const app::Experiment& experiment, bool start_at_once, const 
   recorder_ = std::make_shared<app::CsvRecorder>();
   keeper_ = std::make_shared<app::RunKeeper>();
   keeper_ends_ = told_of_keeper_ = false;
+  options.crops = &keeper_->crops();
   record_file_.clear();
   options.sinks = {recorder_.get(), keeper_.get()};
   film_ = film;
@@ -273,13 +274,18 @@ void LiveRun::take_robots() {
   if (const auto why = session_->failure()) failure_ = QString::fromStdString(*why);
 }
 
+void LiveRun::begin_run() {
+  if (!keeps()) keeper_->crops().begin({});  // those from before are of no run
+  emit starting();
+}
+
 RunSource::Done LiveRun::start() {
-  if (session_) emit starting();
+  if (session_) begin_run();
   return post([](app::Session& session) { return session.start(); });
 }
 
 RunSource::Done LiveRun::stage() {
-  if (session_ && phase() == app::Phase::ready) emit starting();  // the way to the starts belongs to the run
+  if (session_ && phase() == app::Phase::ready) begin_run();  // the way to the starts belongs to the run
   return post([](app::Session& session) { return session.stage(); });
 }
 
@@ -327,7 +333,7 @@ RunSource::Done LiveRun::step() {
   if (phase() == app::Phase::running) {
     return pause();
   }
-  if (session_ && phase() == app::Phase::ready) emit starting();
+  if (session_ && phase() == app::Phase::ready) begin_run();
   const Done done = post([](app::Session& session) { return session.step(); });
   return done ? done : tl::unexpected(tr("No steps: %1").arg(QString::fromStdString(done.error())).toStdString());
 }

@@ -100,6 +100,8 @@ class LiveRun final : public RunSource {
   QString keep(const app::KeepRequest& request);
   bool keeps() const { return keeper_ && keeper_->keeps() && !keeper_ends_; }
   QString kept_folder() const { return keeper_ ? QString::fromStdString(keeper_->folder()) : QString(); }
+  /// The tags that were not seen in this run.
+  std::vector<app::TagCrop> crops() const { return keeper_ ? keeper_->crops().all() : std::vector<app::TagCrop>(); }
   QString record_file() const { return record_file_; }  ///< empty: nothing is recorded
   /// The next run will be recorded; for `state`.
   void set_records_next(bool on) { records_next_ = on; }
@@ -158,6 +160,7 @@ class LiveRun final : public RunSource {
   void finish_keeping();
   void finish_keeping(std::future<app::SessionFacts> facts, std::function<app::VideoStatus()> end_film);
   std::string film_that_goes() const;
+  void begin_run();
   void tell_of_kept();
   app::Phase how_it_ends() const { return is_over() ? phase() : app::Phase::stopped; }
   bool is_opening() const { return session_ ? !latest_ : is_busy(); }

@@ -234,6 +234,20 @@ TEST_F(Mistakes, RunsWithAnotherKickOrPathAreNotSaidToBeTheSame) {
   EXPECT_THAT(said, HasSubstr("only values of run.json are compared"));
 }
 
+TEST_F(Mistakes, PicturesOfTagsGoToTheFolderThatIsNamedAndToTheKeptRunsOwn) {
+  EXPECT_EQ(
+      shell("$skein run e.toml --quiet --keep --runs-dir runs --crops crops --duration 2 "
+            "--set camera.source=synthetic --set 'expect={}' "
+            "--set 'operator.1={t=0.4, does=\"move r2 x=3 y=3 theta=0\"}'; cmp crops/tag-2.png runs/2*/tag-2.png"),
+      0)
+      << said;
+  EXPECT_THAT(said, HasSubstr("no tag 2 is in the picture (picture: crops/tag-2.png)"));
+  EXPECT_EQ(
+      shell("$skein runs verify last --runs-dir runs && $skein report last --html --runs-dir runs --out page.html"), 0)
+      << said;
+  EXPECT_EQ(shell("grep -c 'figcaption>Robot 2: no tag 2 is in the picture' page.html"), 0);
+}
+
 TEST_F(Mistakes, KeysOfTablesAreCompleted) {
   for (const auto& [typed, key] : {std::pair{"robot.", "robot.1.tag=\t"},
                                    {"robot.12.t", "robot.12.track=\t"},

@@ -5,10 +5,13 @@
 
 #include <csignal>
 #include <filesystem>
+#include <fstream>
+#include <memory>
 
 #include "app/experiment/experiment_file.h"
 #include "app/runs/find_run.h"
 #include "app/runs/run_folder.h"
+#include "app/runs/run_page.h"
 #include "app/runs/verify.h"
 #include "app/session/session.h"
 #include "tests/app/folder.h"
@@ -28,6 +31,7 @@ Experiment seconds(int duration) {
 Phase run(const Experiment& experiment, RunKeeper& keeper, SessionFacts& facts) {
   SessionOptions options;
   options.sinks = {&keeper};
+  options.crops = &keeper.crops();
   auto session = Session::open(experiment, Session::Clock::virtual_, options);
   EXPECT_TRUE(session) << session.error();
   const Phase end = (*session)->run();
@@ -137,6 +141,60 @@ TEST(RunKeeper, ComparesWithTheFileWithoutCheckingItOnceMore) {
   const auto sets = read_story(keeper.folder()).value()["sets"].get<std::vector<std::string>>();
   ASSERT_EQ(sets.size(), 1u);
   EXPECT_EQ(sets[0].substr(0, 7), "rate=25") << sets[0];
+}
+
+/// Robot 2 vanishes from the picture.
+TEST(RunKeeper, HasThePicturesOfTagsThatWereNotSeenWithTheirSentences) {
+  const Folder place;
+  const auto experiment = parse_experiment(
+      paper_experiment().source, "e.toml",
+      {"duration=2", "perturb=[]", "camera.source=synthetic", "operator.1={t=0.4, does=\"move r2 x=3 y=3 theta=0\"}"});
+  ASSERT_TRUE(experiment) << experiment.error().front().message();
+  RunKeeper keeper;
+  ASSERT_TRUE(keeper.begin({place / "runs", {}, {}, {"window"}, true, experiment->source}, *experiment));
+  SessionFacts facts;
+  EXPECT_EQ(run(*experiment, keeper, facts), Phase::finished);
+  ASSERT_TRUE(keeper.end(facts));
+  const std::string folder = keeper.folder();
+  const auto story = read_story(folder).value();
+  ASSERT_TRUE(story.contains("not_seen"));
+  EXPECT_EQ(story["not_seen"].dump(), R"([{"robot":2,"sentence":"no tag 2 is in the picture","file":"tag-2.png"}])");
+  ASSERT_TRUE(story["files"].contains("tag-2.png"));
+  const auto found = verify_run(folder);
+  ASSERT_TRUE(found) << found.error();
+  for (const Verification::Step& step : found->steps) EXPECT_TRUE(step.holds) << step.what << ": " << step.finding;
+
+  const auto page = page_of_run(folder + "/run.csv", folder);
+  ASSERT_TRUE(page) << page.error();
+  EXPECT_NE(page->html.find("src=\"data:image/png;base64,iVBORw0KGgo"), std::string::npos);
+  EXPECT_NE(page->html.find("<figcaption>Robot 2: no tag 2 is in the picture</figcaption>"), std::string::npos);
+
+  // What is seen later is of no run any more.
+  keeper.crops().add({0, "tag-1.png", "dark", std::make_shared<const Picture>(Picture{2, 1, {0, 255}})});
+  EXPECT_TRUE(verify_run(folder)->holds());
+}
+
+TEST(RunKeeper, ThePageTakesNoFileFromOutsideTheFolder) {
+  const Folder place;
+  const Experiment experiment = seconds(1);
+  RunKeeper keeper;
+  ASSERT_TRUE(keeper.begin({place / "runs", {}, {}, {"window"}, true, experiment.source}, experiment));
+  SessionFacts facts;
+  EXPECT_EQ(run(experiment, keeper, facts), Phase::finished);
+  ASSERT_TRUE(keeper.end(facts));
+  const std::string folder = keeper.folder();
+  std::ofstream(place / "runs/secret.png") << "secret";
+  auto story = read_story(folder).value();
+  EXPECT_FALSE(story.contains("not_seen"));
+  story["not_seen"] = {{{"robot", 1}, {"sentence", "<b>"}, {"file", "../secret.png"}},
+                       {{"robot", 0}, {"sentence", "nobody"}, {"file", "figure3.png"}},
+                       {{"robot", 2}, {"sentence", 7}, {"file", 8}}};
+  std::ofstream(folder + "/run.json") << sealed(story);
+  const auto page = page_of_run(folder + "/run.csv", folder);
+  ASSERT_TRUE(page) << page.error();
+  EXPECT_NE(page->html.find("<figure><figcaption>Robot 1: &lt;b&gt;</figcaption>"), std::string::npos);
+  EXPECT_EQ(page->html.find("nobody"), std::string::npos);
+  EXPECT_NE(page->html.find("<figcaption>Robot 2: </figcaption>"), std::string::npos);
 }
 
 TEST(RunKeeper, WithoutABeginningTakesNothing) {

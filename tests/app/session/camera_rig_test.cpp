@@ -66,11 +66,11 @@ struct OpenRig {
   std::unique_ptr<CameraRig> rig;
 };
 
-/// What an open camera says of the tags that it does not see; `crops`: the folder of their pictures, none if empty.
-std::vector<UnseenTag> not_seen(const Experiment& experiment, const fs::path& crops = {}) {
+/// What an open camera says of the tags that it does not see.
+std::vector<UnseenTag> not_seen(const Experiment& experiment, TagCrops* crops = nullptr) {
   OpenRig opened(experiment, true);
   if (!opened.rig) return {};
-  if (!crops.empty()) opened.rig->keep_crops(crops);
+  opened.rig->keep_crops(crops);
   opened.rig->start();
   const std::vector<UnseenTag> why = opened.rig->why_not_seen();
   opened.rig->end();
@@ -110,10 +110,12 @@ TEST(CameraRig, SaysWhyATagIsNotSeen) {
 TEST(CameraRig, WritesAPictureOfATagThatIsNotSeen) {
   const Lab lab;
   const Experiment experiment = lab.experiment("cal.toml");
-  const fs::path crops = lab.folder / "crops";
-  const std::vector<UnseenTag> why = not_seen(experiment, crops);
+  const fs::path folder = lab.folder / "crops", other = lab.folder / "other";
+  TagCrops crops;
+  crops.begin({folder, other});
+  const std::vector<UnseenTag> why = not_seen(experiment, &crops);
   ASSERT_EQ(why.size(), 4U);
-  EXPECT_EQ(why[0].file, crops / "tag-1.png");
+  EXPECT_EQ(why[0].file, folder / "tag-1.png");
   EXPECT_TRUE(why[0].text().ends_with(" (picture: " + why[0].file + ")")) << why[0].text();
   EXPECT_EQ(why[1].text(), "no tag 2 is in the picture");
   auto written = vision::open_source("images:" + why[0].file);
@@ -121,9 +123,37 @@ TEST(CameraRig, WritesAPictureOfATagThatIsNotSeen) {
   vision::Frame picture;
   ASSERT_TRUE((*written)->read(picture).value_or(false));
   EXPECT_EQ(picture.grey, why[0].picture->grey) << "the pixels of the frame";
+  EXPECT_TRUE(fs::exists(other / "tag-1.png")) << "in each folder";
+  const std::vector<TagCrop> all = crops.all();
+  ASSERT_EQ(all.size(), 1U) << "of the others there is nothing to show";
+  EXPECT_EQ(all[0].robot, 0U);
+  EXPECT_EQ(all[0].file, "tag-1.png");
+  EXPECT_EQ(all[0].sentence, why[0].sentence);
+  EXPECT_EQ(all[0].picture->grey, why[0].picture->grey);
   // A folder that cannot be written is no failure of the run.
-  EXPECT_NE(not_seen(experiment, why[0].file + "/below-a-file").at(0).text().find("tag-1.png: cannot be written)"),
-            std::string::npos);
+  crops.begin({why[0].file + "/below-a-file"});
+  EXPECT_TRUE(crops.all().empty()) << "those of the run before";
+  EXPECT_NE(not_seen(experiment, &crops).at(0).text().find("tag-1.png: cannot be written)"), std::string::npos);
+}
+
+TEST(TagCrops, AfterTheirEndNoFileIsWritten) {
+  const Lab lab;
+  const fs::path folder = lab.folder / "crops";
+  const auto picture = std::make_shared<const Picture>(Picture{2, 1, {0, 255}});
+  TagCrops crops;
+  EXPECT_EQ(crops.add({1, crop_file(2, 0, 1), "gone", picture}), "") << "nobody wants a file";
+  EXPECT_EQ(crops.all().size(), 1U);
+  crops.begin({folder});
+  EXPECT_EQ(crops.add({1, crop_file(2, 1, 2), "gone", picture}), folder / "camera-2-tag-2.png");
+  crops.add({0, crop_file(1, 0, 2), "dark", picture});
+  crops.add({1, crop_file(2, 1, 2), "lifted", picture});
+  crops.end_files();
+  EXPECT_EQ(crops.add({2, crop_file(3, 0, 2), "gone", picture}), "");
+  EXPECT_FALSE(fs::exists(folder / "camera-1-tag-3.png"));
+  const std::vector<TagCrop> all = crops.all();
+  ASSERT_EQ(all.size(), 3U) << "of each tag and camera the newest";
+  EXPECT_EQ(all[0].sentence, "dark");
+  EXPECT_EQ(all[1].sentence, "lifted");
 }
 
 TEST(CameraRig, TheExperimentsTagSizeHoldsInPlaceOfTheCalibrations) {
@@ -138,13 +168,15 @@ TEST(CameraRig, TheExperimentsTagSizeHoldsInPlaceOfTheCalibrations) {
 
 TEST(CameraRig, ARunThatSeesNobodySaysTheSizeThatWouldFit) {
   const Lab lab;
-  const std::string crops = lab.folder / "crops";
-  auto session = Session::open(lab.experiment("cal.toml"), Session::Clock::wall, {.crops = crops});
+  const std::string folder = lab.folder / "crops";
+  TagCrops crops;
+  crops.begin({folder});
+  auto session = Session::open(lab.experiment("cal.toml"), Session::Clock::wall, {.crops = &crops});
   ASSERT_TRUE(session) << session.error();
   (*session)->run();
   const std::string failure = (*session)->failure().value_or("");
   EXPECT_TRUE(failure.starts_with("robot 1: its tag 1 is not seen: tag 1 is there, but its edge is 40 mm")) << failure;
-  EXPECT_NE(failure.find("(picture: " + crops + "/tag-1.png); no tag 2 is in the picture"), std::string::npos)
+  EXPECT_NE(failure.find("(picture: " + folder + "/tag-1.png); no tag 2 is in the picture"), std::string::npos)
       << failure;
   EXPECT_TRUE(failure.ends_with("; if the black edge of the tags measures 40 mm: --set tags.size=0.04")) << failure;
 }
