@@ -10,7 +10,9 @@
 
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iterator>
+#include <set>
 
 #include "app/calibration/calibration_file.h"
 #include "operator.h"
@@ -157,17 +159,18 @@ TEST_F(Checks, ACameraThatMovedOffItsMarksIsCalibratedByThem) {
   delete find("calibration_dialog");
 }
 
-/// Four robots in their places, with tags of 40 mm under a camera that is calibrated for 60 mm; all in one folder.
+/// Robots in their places, with tags of 40 mm under a camera that is calibrated for 60 mm; all in one folder.
 class TagsOfAnotherSize : public Checks {
  protected:
+  explicit TagsOfAnotherSize(app::Experiment robots = app::paper_experiment()) : robots_(std::move(robots)) {}
   void SetUp() override {
     Checks::SetUp();
-    auto calibration = vision::overhead_calibration(2.0, 1.5);
+    auto calibration = vision::overhead_calibration(robots_.arena_width, robots_.arena_height);
     calibration.tag_size = 0.04;
-    const auto reference = app::make_reference(app::paper_experiment());
+    const auto reference = app::make_reference(robots_);
     std::vector<vision::SyntheticTag> tags;
-    for (int k = 0; k < 4; ++k)
-      tags.push_back({k + 1, reference->at(static_cast<std::size_t>(k), 0.0).pose, calibration.tag_size});
+    for (std::size_t k = 0; k < robots_.robots.size(); ++k)
+      tags.push_back({robots_.robots[k].tag, reference->at(k, 0.0).pose, calibration.tag_size});
     vision::Frame frame;
     vision::SyntheticCamera(calibration).render(tags, 0.0, frame);
     ASSERT_TRUE(QDir(dir.path()).mkdir(QStringLiteral("film")));
@@ -195,10 +198,11 @@ class TagsOfAnotherSize : public Checks {
     ASSERT_TRUE(eventually([&] { return find<QPushButton>("mend_tag_size")->isVisible(); }))
         << find<QLabel>("check_tags")->text().toStdString();
   }
+  const app::Experiment robots_;
   QTemporaryDir dir;
-  const QString file = dir.filePath(QStringLiteral("four.toml"));
-  const std::string text = "# four robots\n[camera]\nsource = \"images:" + dir.path().toStdString() +
-                           "/film\"  # a film\ncalibration = \"cal.toml\"\n";
+  const QString file = dir.filePath(QStringLiteral("robots.toml"));
+  std::string text = "# four robots\n[camera]\nsource = \"images:" + dir.path().toStdString() +
+                     "/film\"  # a film\ncalibration = \"cal.toml\"\n";
 };
 
 TEST_F(TagsOfAnotherSize, AreShownAndMendedByAButton) {
@@ -248,6 +252,77 @@ TEST_F(TagsOfAnotherSize, AreShownWholeInASmallWindow) {
           << name << " at " << size.width();
     EXPECT_GE(find("tag_picture_1")->height(), 56) << "squeezed at " << size.width();
   }
+}
+
+class TenTagsOfAnotherSize : public TagsOfAnotherSize {
+ protected:
+  TenTagsOfAnotherSize()
+      : TagsOfAnotherSize(
+            app::load_experiment(skein::test::in_source("resources/experiments/antipodal-swap-10.toml")).value()) {
+    text = robots_.source + text.substr(text.find('\n'));
+  }
+  const std::string tag_picture(int robot) { return "tag_picture_" + std::to_string(robot); }
+  QScrollBar* bar() { return find("check_list")->findChild<QScrollArea*>()->verticalScrollBar(); }
+  /// Scrolls through the list, a step at a time; the robots whose pictures were seen whole on the way.
+  std::set<int> seen_on_the_way(const std::function<void()>& step) {
+    std::set<int> seen;
+    for (int steps = 0; steps < 100; ++steps) {
+      QCoreApplication::sendPostedEvents();
+      for (int robot = 1; robot <= 10; ++robot)
+        if (auto* picture = find(tag_picture(robot).c_str());
+            picture && picture->visibleRegion().boundingRect() == picture->rect())
+          seen.insert(robot);
+      if (bar()->value() == bar()->maximum()) break;
+      step();
+    }
+    return seen;
+  }
+};
+
+TEST_F(TenTagsOfAnotherSize, AreAllReachedByWheelAndKeys) {
+  open_file_and_wait();
+  const std::set<int> all{1, 2, 3, 4, 5, 6, 7, 8, 9, 10};
+  for (const QSize size : {QSize(1280, 800), QSize(800, 600)}) {
+    window.resize(size);
+    ASSERT_TRUE(eventually([&] { return window.size() == size && find(tag_picture(10).c_str())->isVisible(); }));
+    QTest::qWait(50);  // layouts
+    QWidget* const pictures = find("tag_pictures");
+    for (int robot = 1; robot <= 10; ++robot) {
+      const QLabel* picture = find<QLabel>(tag_picture(robot).c_str());
+      EXPECT_GE(picture->height(), 56) << "squeezed";
+      EXPECT_GE(picture->width(), picture->pixmap(Qt::ReturnByValue).width());
+      const QRect cell(picture->parentWidget()->geometry());
+      EXPECT_TRUE(pictures->rect().contains(cell)) << robot << " at " << size.width();
+    }
+    bar()->setValue(0);
+    EXPECT_EQ(seen_on_the_way([&] {
+                QWheelEvent event(QPointF(5, 5), bar()->mapToGlobal(QPointF(5, 5)), {}, {0, -40}, Qt::NoButton,
+                                  Qt::NoModifier, Qt::NoScrollPhase, false);
+                QCoreApplication::sendEvent(bar(), &event);
+              }),
+              all)
+        << "by the wheel at " << size.width();
+    bar()->setValue(0);
+    find("mend_tag_size")->setFocus();
+    EXPECT_EQ(seen_on_the_way([&] { key(Qt::Key_PageDown); }), all) << "by the keyboard at " << size.width();
+  }
+}
+
+TEST_F(TenTagsOfAnotherSize, StayWhereTheOperatorHasScrolledThem) {
+  open_file_and_wait();
+  window.resize(800, 600);
+  ASSERT_TRUE(eventually([&] { return bar()->maximum() > 0; }));
+  QTest::qWait(50);  // layouts
+  find("mend_tag_size")->setFocus();
+  seen_on_the_way([&] { key(Qt::Key_PageDown); });
+  const int there = bar()->value();
+  ASSERT_GT(there, 0);
+  const QLabel* const picture = find<QLabel>(tag_picture(10).c_str());
+  const auto drawn = [&] { return find<QLabel>(tag_picture(10).c_str())->pixmap(Qt::ReturnByValue).cacheKey(); };
+  const qint64 before = drawn();
+  ASSERT_TRUE(eventually([&] { return drawn() != before; })) << "the camera looks for them every few seconds";
+  EXPECT_EQ(bar()->value(), there);
+  EXPECT_EQ(find<QLabel>(tag_picture(10).c_str()), picture) << "its tip would go each time";
 }
 
 }  // namespace

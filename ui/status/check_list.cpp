@@ -2,6 +2,7 @@
 
 #include <QEvent>
 #include <QGridLayout>
+#include <QKeyEvent>
 #include <QResizeEvent>
 #include <QScrollBar>
 #include <QTimer>
@@ -11,6 +12,7 @@
 #include <tuple>
 #include <utility>
 
+#include "ui/base/flow_layout.h"
 #include "ui/base/palette.h"
 #include "ui/base/picture.h"
 
@@ -45,6 +47,23 @@ constexpr std::array entries{
           QT_TRANSLATE_NOOP("CheckList", "Brings every robot to its start")},
 };
 
+constexpr int picture_height = 56;  // of a tag [px]
+
+/// Pages by the keyboard, from whatever has it in the list, and no line of pictures falls between two pages.
+class Pages final : public QScrollArea {
+ public:
+  using QScrollArea::QScrollArea;
+
+ protected:
+  void keyPressEvent(QKeyEvent* event) override {
+    if (event->key() != Qt::Key_PageDown && event->key() != Qt::Key_PageUp) return QScrollArea::keyPressEvent(event);
+    constexpr int kept = picture_height + 16;
+    const int page = std::max(viewport()->height() - kept, kept / 3);
+    QScrollBar* const bar = verticalScrollBar();
+    bar->setSliderPosition(bar->sliderPosition() + (event->key() == Qt::Key_PageDown ? page : -page));
+  }
+};
+
 /// Of a check; the line below it is free.
 int line_of(std::size_t check) {
   return 2 * static_cast<int>(check);
@@ -57,7 +76,7 @@ CheckList::CheckList(QWidget* parent)
       pictures_(new QWidget(this)),
       tag_size_(new QPushButton(tr("Set tag size"), this)),
       anyway_(new QPushButton(tr("Start anyway"), this)),
-      scroll_(new QScrollArea(this)),
+      scroll_(new Pages(this)),
       list_(new QWidget) {
   setObjectName(QStringLiteral("check_list"));
   setAccessibleName(tr("Before the start"));
@@ -71,6 +90,7 @@ CheckList::CheckList(QWidget* parent)
   outer->setContentsMargins(0, 0, 0, 0);
   outer->addWidget(scroll_);
   setSizePolicy(QSizePolicy::Preferred, QSizePolicy::Maximum);
+  connect(scroll_->verticalScrollBar(), &QScrollBar::actionTriggered, this, [this] { scrolled_ = true; });
   auto* layout = new QGridLayout(list_);
   layout->setContentsMargins(10, 6, 10, 6);
   layout->setHorizontalSpacing(10);
@@ -109,8 +129,9 @@ CheckList::CheckList(QWidget* parent)
   }
   pictures_->setObjectName(QStringLiteral("tag_pictures"));
   pictures_->hide();
-  auto* pictures = new QHBoxLayout(pictures_);
+  auto* pictures = new FlowLayout(pictures_);
   pictures->setContentsMargins(0, 0, 0, 4);
+  pictures->setSpacing(6);
   tag_size_->setObjectName(QStringLiteral("mend_tag_size"));
   tag_size_->hide();
   connect(tag_size_, &QPushButton::clicked, this, [this] { emit tag_size_wanted(size_); });
@@ -161,39 +182,51 @@ void CheckList::show_tags(const std::vector<app::UnseenTag>& tags, std::optional
   updateGeometry();
 }
 
-/// As many as have room beside one another; the sentences above are about all.
-void CheckList::show_pictures(const std::vector<app::UnseenTag>& tags) {
-  constexpr int height = 56, most = 4;
+/// A picture and the number of its robot for each of these.
+void CheckList::lay_out_pictures(const std::vector<std::size_t>& robots) {
   QLayout* const layout = pictures_->layout();
   while (QLayoutItem* const old = layout->takeAt(0)) {
     delete old->widget();
     delete old;
   }
-  int shown = 0;
-  for (std::size_t i = 0; i < tags.size(); ++i) {
-    const QImage image = image_of(tags[i], height);
-    if (image.isNull() || shown == most) continue;
-    ++shown;
-    auto* picture = new QLabel(pictures_);
-    picture->setObjectName(QStringLiteral("tag_picture_%1").arg(i + 1));
-    picture->setPixmap(QPixmap::fromImage(image));
-    const bool there = tags[i].why != core::NotSeen::not_found;
+  tag_pictures_.clear();
+  for (const std::size_t robot : robots) {
+    auto* cell = new QWidget(pictures_);
+    auto* picture = new QLabel(cell);
+    picture->setObjectName(QStringLiteral("tag_picture_%1").arg(robot + 1));
+    auto* whose = new QLabel(QString::number(robot + 1), cell);
+    whose->setForegroundRole(QPalette::PlaceholderText);
+    auto* beside = new QHBoxLayout(cell);
+    beside->setContentsMargins(0, 0, 0, 0);
+    beside->addWidget(picture);
+    beside->addWidget(whose);
+    layout->addWidget(cell);
+    tag_pictures_.push_back({robot, picture});
+  }
+}
+
+/// They are taken anew every few seconds: where it is the same robots that are not seen, nothing moves.
+void CheckList::show_pictures(const std::vector<app::UnseenTag>& tags) {
+  std::vector<std::size_t> robots, shown;
+  for (std::size_t i = 0; i < tags.size(); ++i)
+    if (tags[i].picture) robots.push_back(i);
+  for (const TagPicture& one : tag_pictures_) shown.push_back(one.robot);
+  if (robots != shown) lay_out_pictures(robots);
+  for (const auto& [robot, picture] : tag_pictures_) {
+    const app::UnseenTag& tag = tags[robot];
+    picture->setPixmap(QPixmap::fromImage(image_of(tag, picture_height)));
+    const bool there = tag.why != core::NotSeen::not_found;
     const QString what =
         (there ? tr("Tag %1 of robot %2, as the camera shows it") : tr("Where tag %1 of robot %2 was last seen"))
-            .arg(tags[i].tag)
-            .arg(i + 1);
+            .arg(tag.tag)
+            .arg(robot + 1);
     picture->setAccessibleName(what);
-    picture->setToolTip(QStringLiteral("<b>%1</b><br>%2").arg(what.toHtmlEscaped(), html_of(tags[i])));
-    auto* whose = new QLabel(QString::number(i + 1), pictures_);
-    whose->setForegroundRole(QPalette::PlaceholderText);
-    layout->addWidget(picture);
-    layout->addWidget(whose);
+    picture->setToolTip(QStringLiteral("<b>%1</b><br>%2").arg(what.toHtmlEscaped(), html_of(tag)));
   }
-  static_cast<QHBoxLayout*>(layout)->addStretch();
-  pictures_->setVisible(shown > 0);
+  pictures_->setVisible(!robots.empty());
   keep_lines_whole();
   updateGeometry();
-  scroll_to_amiss();
+  if (shown.empty()) scroll_to_amiss();
 }
 
 void CheckList::dress() {
@@ -230,12 +263,14 @@ void CheckList::dress() {
   const auto fails = [](const app::Check& check) { return check.state == app::Check::State::fails; };
   const auto first = std::find_if(checks_.begin(), checks_.end(), fails);
   const auto amiss = first == checks_.end() ? std::nullopt : std::optional(first->what);
-  if (amiss != std::exchange(amiss_, amiss)) scroll_to_amiss();
+  if (amiss == std::exchange(amiss_, amiss)) return;
+  scrolled_ = false;
+  scroll_to_amiss();
 }
 
 /// Once the rows have their places.
 void CheckList::scroll_to_amiss() {
-  if (!amiss_) return;
+  if (!amiss_ || scrolled_) return;
   const Row& row = rows_[static_cast<std::size_t>(*amiss_)];
   QWidget* const highest = row.mend ? static_cast<QWidget*>(row.mend) : row.reason;
   QTimer::singleShot(0, this, [this, highest] {

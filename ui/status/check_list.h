@@ -41,7 +41,12 @@ class CheckList final : public QWidget {
     QPushButton* mend;  // null: nothing to press
   };
   void dress();
+  struct TagPicture {
+    std::size_t robot;
+    QLabel* picture;
+  };
   void show_pictures(const std::vector<app::UnseenTag>& tags);
+  void lay_out_pictures(const std::vector<std::size_t>& robots);
   void keep_lines_whole();
   void scroll_to_amiss();
 
@@ -49,12 +54,14 @@ class CheckList final : public QWidget {
   std::vector<Row> rows_;
   QWidget* pictures_;  // of tags that are not seen, below the sentences
   std::vector<std::shared_ptr<const app::Picture>> pictured_;
+  std::vector<TagPicture> tag_pictures_;
   QPushButton* tag_size_;
   double size_ = 0.0;  // that it would set [m]
   QPushButton* anyway_;
   QScrollArea* scroll_;  // if there is little room
   QWidget* list_;
   std::optional<app::Check::What> amiss_;  // the first failed check, to which the list scrolls
+  bool scrolled_ = false;                  // by the operator since: it stays there
 };
 
 }  // namespace skein::ui
