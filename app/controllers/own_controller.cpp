@@ -195,7 +195,10 @@ tl::expected<void, std::string> OwnController::become_ready(const Experiment& ex
     pollfd ready{pipes_->answer[0], POLLIN, 0};
     ::poll(&ready, 1, 100);
     const ssize_t n = ::read(pipes_->answer[0], &byte, 1);
-    if (n == 1) break;
+    if (n == 1) {
+      may_be_woken_ = byte == 'w';
+      break;
+    }
     if (n == 0) {
       const std::string refusal = text_of(memory_->at->refusal);
       const std::string how = process_->how_it_ended(1.0);
@@ -339,7 +342,7 @@ bool OwnController::wait_for(std::uint64_t answer, double seconds) noexcept {
 }
 
 void OwnController::wake() noexcept {
-  if (state() != ControllerState::ended) (void)!::write(pipes_->question[1], "w", 1);
+  if (may_be_woken_ && state() != ControllerState::ended) (void)!::write(pipes_->question[1], "w", 1);
 }
 
 void OwnController::ask(const core::ControllerInput& input) noexcept {

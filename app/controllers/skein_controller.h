@@ -97,8 +97,9 @@ const skein_controller* skein_controller_v1(void); /* you write this one */
 /* --- (c) a program of its own: what it is started with ---------------------------------------------------------- */
 
 #define SKEIN_MEMORY_FD 3   /* the memory: to be mapped, or read and written as a file */
-#define SKEIN_QUESTION_FD 4 /* a pipe: a byte comes with each question, and a 'w' shortly before it; its end: go */
-#define SKEIN_ANSWER_FD 5   /* a pipe: write a byte when you are ready, and after each answer */
+#define SKEIN_QUESTION_FD 4 /* a pipe: a byte comes with each question; its end: go */
+#define SKEIN_ANSWER_FD \
+  5 /* a pipe: write a byte when you are ready ('w': also announce questions), after each answer */
 
 #ifdef SKEIN_CLIENT
 /* NOLINTBEGIN(modernize-use-nullptr): this is C as well. */
@@ -121,9 +122,9 @@ static inline skein_memory* skein_attach(void) {
   return memory->version == SKEIN_CONTROLLER_VERSION ? memory : 0;
 }
 
-/* Says that declarations are made and questions may come. */
+/* Says that declarations are made and questions may come, each announced by a 'w' shortly before it. */
 static inline void skein_ready(void) {
-  while (write(SKEIN_ANSWER_FD, "r", 1) < 0 && errno == EINTR) {
+  while (write(SKEIN_ANSWER_FD, "w", 1) < 0 && errno == EINTR) {
   }
 }
 

@@ -16,7 +16,6 @@
 #include <memory>
 #include <optional>
 #include <thread>
-#include <utility>
 
 #include "app/guard/safety_net.h"
 #include "app/run/exit_status.h"
@@ -92,7 +91,6 @@ StopAnswer ask(const RunMarker& run) {
   if (answer.robots || !answer.reached || answer.ended || answer.process <= 0) return answer;
   const Process process(answer.process);
   if (!process.known()) return answer;
-  if (const auto guard = guard_of(run)) guard->send(SIGCONT);  // frozen as well, it could not stop the robots
   complain(
       fmt::format("the run \"{}\" (process {}) does not respond to STOP: ending it", run.experiment, answer.process));
   process.send(SIGTERM);
@@ -113,13 +111,16 @@ void say(const StopResult& robot) {
 StoppedRun stop_run(const RunMarker& run) {
   const auto give_up = Clock::now() + std::chrono::duration<double>(comms::reach_patience(run.robots));
   std::vector<StopResult> robots = all_of(run, false, "neither its run nor its guard has answered");
-  bool woken = false;
+  // A guard that is frozen goes on at once: it holds the connections, and the run may be frozen as well.
+  const auto waking = std::async(std::launch::async, [&run] {
+    if (const auto guard = guard_of(run)) guard->send(SIGCONT);
+  });
   for (auto heard = Clock::now();; std::this_thread::sleep_for(ask_again)) {
     if (!is_there(run)) return {all_of(run, true, {}), false};  // its guard has stopped all of them
     const StopAnswer answer = ask(run);
+    if (answer.reached) heard = Clock::now();
     if (answer.robots) {
       robots = *answer.robots;
-      heard = Clock::now();
       // A guard names those alone that it had to reach anew.
       if (all_stand(robots)) return {robots.size() < run.robots.size() ? all_of(run, true, {}) : robots, false};
     }
@@ -127,11 +128,6 @@ StoppedRun stop_run(const RunMarker& run) {
     if (answer.reached) continue;
     const std::unique_ptr<Process> guard = run.alive() ? nullptr : guard_of(run);
     if (!guard && !run.alive() && is_there(run)) return {robots, true};
-    // A frozen one holds the connections: it may go on, or it must let go of them.
-    if (guard && !std::exchange(woken, true)) {
-      guard->send(SIGCONT);
-      heard = Clock::now();
-    }
     if (Clock::now() - heard < guard_within) continue;
     if (guard) {
       complain(fmt::format("the guard of the run \"{}\" does not respond: ending it", run.experiment));

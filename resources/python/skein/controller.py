@@ -180,7 +180,7 @@ def run(step):
         sys.exit("skein.controller: this is version %d, Skein's is %d" % (VERSION, version))
     tick = Tick(memory)
     _declare(memory, step, tick)
-    os.write(ANSWER_FD, b"r")
+    os.write(ANSWER_FD, b"w")  # ready, and questions may be announced
     places = None
     for question in _questions(memory):
         tick._read()

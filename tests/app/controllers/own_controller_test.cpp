@@ -302,13 +302,15 @@ TEST(OwnController, AProcessThatIsWokenBeforeAQuestionGivesTheSameAnswers) {
                             "        tick.omega[i] = tick.reference[i][4] + 8.0 * tick.error[i][1]\n"
                             "skein.controller.run(step)\n";
   expect_the_same_woken_or_not("Python", "python3 '" + package + "'");
-  // One that knows nothing but the layout, and answers whenever it reads a byte.
-  std::ofstream(layout) << "import mmap, os, struct\n"
+  // One that knows nothing but the layout: it answers whenever it reads a byte, and meanwhile its commands are zeros.
+  std::ofstream(layout) << "import mmap, os, struct, time\n"
                            "m = mmap.mmap(3, 40192)\n"
                            "os.write(5, b'r')\n"
                            "while os.read(4, 1):\n"
-                           "    question = m[48:56]\n"
-                           "    for i in range(struct.unpack_from('<I', m, 16)[0]):\n"
+                           "    question, (robots,) = m[48:56], struct.unpack_from('<I', m, 16)\n"
+                           "    m[30976:30976 + 16 * robots] = bytes(16 * robots)\n"
+                           "    time.sleep(0.001)\n"
+                           "    for i in range(robots):\n"
                            "        robot = struct.unpack_from('<30d', m, 256 + 240 * i)\n"
                            "        struct.pack_into('<2d', m, 30976 + 16 * i, robot[22] + 2 * robot[24], robot[23])\n"
                            "    m[80:88] = question\n"
