@@ -137,7 +137,7 @@ void near_pairs(benchmark::State& state) {
   const core::Scene scene{rows.poses, rows.command, {rows.touched.get(), n}, {}};
   for ([[maybe_unused]] auto _ : state) {
     avoidance.step({}, rows.gains, 0.04, scene, rows.nominal, rows.reference);
-    shield.apply({}, rows.poses, {}, rows.v_limit, rows.command, {rows.touched.get(), n});
+    shield.apply({}, {.poses = rows.poses, .v_limit = rows.v_limit}, rows.command, {rows.touched.get(), n});
     benchmark::DoNotOptimize(rows.command.data());
     benchmark::ClobberMemory();
   }

@@ -653,8 +653,14 @@ void TickState::limit_and_shield() noexcept {
   standing.assign(obstacles.standing().begin(), obstacles.standing().end());
   for (std::size_t i = 0; i < robots(); ++i)
     if (stuck[i]) standing.push_back({midway[i].x, midway[i].y, experiment.robots[i].radius + doubt[i]});
-  shield.apply(shield_parameters, midway, standing, v_limits, commands, {shield_touched.get(), robots()}, doubt,
-               {adrift.get(), robots()}, sizes);
+  shield.apply(shield_parameters,
+               {.poses = midway,
+                .obstacles = standing,
+                .v_limit = v_limits,
+                .doubt = doubt,
+                .adrift = {adrift.get(), robots()},
+                .sizes = sizes},
+               commands, {shield_touched.get(), robots()});
   for (std::size_t i = 0; i < robots(); ++i) {
     if (shield_touched[i]) record.robots[i].mode |= shielded;
     if (adrift[i]) commands[i] = {};

@@ -131,8 +131,15 @@ void Avoidance::detour(std::size_t i, const AvoidanceParameters& parameters, con
   const Pose& pose = scene.poses[i];
   const double ahead = std::clamp(wrap_angle(robot.reference.pose.theta - pose.theta), -most_ahead, most_ahead);
   const Pose from{pose.x, pose.y, wrap_angle(pose.theta + ahead)};
-  const Course course = steering_.choose(scene, i, ahead_.around(i), from, nominal, bounds, horizon, robot.heading,
-                                         robot.reference.twist.omega, robot.waited);
+  const Course course = steering_.choose(scene, {.robot = i,
+                                                 .near = ahead_.around(i),
+                                                 .from = from,
+                                                 .goal = nominal,
+                                                 .bounds = bounds,
+                                                 .horizon = horizon,
+                                                 .last_heading = robot.heading,
+                                                 .last_omega = robot.reference.twist.omega,
+                                                 .waited = robot.waited});
   robot.heading = course.heading;
   const Twist twist = Steering::towards(course.heading, course.speed, from.theta, bounds);
   const double theta = wrap_angle(from.theta + twist.omega * dt);

@@ -79,20 +79,19 @@ double Steering::gap(double x, double y, double t) const noexcept {
   return smallest;
 }
 
-Steering::Ride Steering::ride(const Scene& scene, std::size_t i, const Pose& from, double heading, double speed,
-                              const ReferencePoint& goal, const ReferenceBounds& bounds,
-                              double horizon) const noexcept {
+Steering::Ride Steering::ride(const Scene& scene, const Query& query, double heading, double speed) const noexcept {
+  const ReferencePoint& goal = query.goal;
   const auto outside = [&](double x, double y) {
-    return std::max(std::abs(x) - scene.half_width, std::abs(y) - scene.half_height) + scene.sizes.beyond(i);
+    return std::max(std::abs(x) - scene.half_width, std::abs(y) - scene.half_height) + scene.sizes.beyond(query.robot);
   };
-  const double allowed_outside = std::max(0.0, outside(from.x, from.y)) + nearer;
+  const double allowed_outside = std::max(0.0, outside(query.from.x, query.from.y)) + nearer;
   const double v_x = goal.twist.v * std::cos(goal.pose.theta), v_y = goal.twist.v * std::sin(goal.pose.theta);
-  Pose pose = from;
+  Pose pose = query.from;
   Ride result{0.0, 0.0, std::numeric_limits<double>::infinity()};
   int steps = 0, held = 0;
   double t = ride_step;
-  for (; t < horizon + 0.5 * ride_step; ++steps) {
-    const Twist twist = towards(heading, speed, pose.theta, bounds);
+  for (; t < query.horizon + 0.5 * ride_step; ++steps) {
+    const Twist twist = towards(heading, speed, pose.theta, query.bounds);
     const double off = wrap_angle(heading - pose.theta);
     pose.theta =
         std::abs(off) < std::abs(twist.omega) * ride_step ? heading : wrap_angle(pose.theta + twist.omega * ride_step);
@@ -116,10 +115,12 @@ Steering::Ride Steering::ride(const Scene& scene, std::size_t i, const Pose& fro
   return result;
 }
 
-Course Steering::choose(const Scene& scene, std::size_t i, std::span<const std::uint32_t> near, const Pose& from,
-                        const ReferencePoint& goal, const ReferenceBounds& bounds, double horizon, double last,
-                        double turning, double waited) noexcept {
-  gather_movers(scene, i, near, from.x, from.y, 2.0 * bounds.v * horizon);
+Course Steering::choose(const Scene& scene, const Query& query) noexcept {
+  const Pose& from = query.from;
+  const ReferencePoint& goal = query.goal;
+  const ReferenceBounds& bounds = query.bounds;
+  const double horizon = query.horizon, waited = query.waited;
+  gather_movers(scene, query.robot, query.near, from.x, from.y, 2.0 * bounds.v * horizon);
   const double left = std::hypot(goal.pose.x - from.x, goal.pose.y - from.y);
   // Where the goal will be by the time that the robot can be there.
   const double fastest = std::max(bounds.v, 1e-3);
@@ -133,14 +134,16 @@ Course Steering::choose(const Scene& scene, std::size_t i, std::span<const std::
   double least = std::numeric_limits<double>::infinity();
   const auto consider = [&](double off, double speed, bool along) {
     const double heading = along ? goal.pose.theta : wrap_angle(straight + off);
-    const Ride r = ride(scene, i, from, heading, speed, goal, bounds, horizon);
+    const Ride r = ride(scene, query, heading, speed);
     double cost = (r.off - left) / (0.5 * fastest * horizon) / (1.0 + waited);
     cost += aside * std::abs(off) / pi + (off > 0.0 ? to_the_left : 0.0);
     if (r.held > 0.0) cost += meeting + meeting_long * r.held;
     if (r.closest < comfort) cost += discomfort * (1.0 - std::max(0.0, r.closest) / comfort);
-    if (!std::isnan(last)) cost += turning_round * std::abs(wrap_angle(heading - last)) / pi;
+    if (!std::isnan(query.last_heading))
+      cost += turning_round * std::abs(wrap_angle(heading - query.last_heading)) / pi;
     // A long turn, once begun, goes on the same way round.
-    if (const double turn = wrap_angle(heading - from.theta); std::abs(turn) > 0.5 * pi && turn * turning < 0.0)
+    if (const double turn = wrap_angle(heading - from.theta);
+        std::abs(turn) > 0.5 * pi && turn * query.last_omega < 0.0)
       cost += other_way_round;
     cost += waiting * (1.0 + waited) * (1.0 - speed / fastest);
     if (cost < least) {

@@ -54,13 +54,20 @@ class Steering {
  public:
   Steering(std::size_t robots, std::size_t obstacles);
 
-  /// The course of robot i from `from` (its position, and the heading of its reference). `near`: the robots to
-  /// consider. `goal`: moves on at a constant twist. `last`: the heading of its last course, or NaN; `turning`: its
-  /// last turning rate. `waited`: how long it has blocked others [s]; the longer, the smaller the weight of its goal,
-  /// and the sooner it drives wherever there is room.
-  Course choose(const Scene& scene, std::size_t i, std::span<const std::uint32_t> near, const Pose& from,
-                const ReferencePoint& goal, const ReferenceBounds& bounds, double horizon, double last, double turning,
-                double waited) noexcept;
+  struct Query {
+    std::size_t robot;
+    std::span<const std::uint32_t> near;  ///< the robots to consider
+    Pose from;                            ///< its position, and the heading of its reference
+    ReferencePoint goal;                  ///< moves on at a constant twist
+    ReferenceBounds bounds;
+    double horizon;       ///< [s]
+    double last_heading;  ///< of its last course; NaN: it had none [rad]
+    double last_omega;    ///< of its reference [rad/s]
+    /// How long it has blocked others; the longer, the smaller the weight of its goal, and the sooner it drives
+    /// wherever there is room. [s]
+    double waited;
+  };
+  Course choose(const Scene& scene, const Query& query) noexcept;
 
   /// Whether robot i meets a robot or obstacle within the horizon if it drives on along its reference.
   bool conflict(const Scene& scene, std::size_t i, std::span<const std::uint32_t> near, const ReferencePoint& reference,
@@ -81,8 +88,7 @@ class Steering {
   void gather_movers(const Scene& scene, std::size_t i, std::span<const std::uint32_t> near, double x, double y,
                      double reach) noexcept;
   double gap(double x, double y, double t) const noexcept;
-  Ride ride(const Scene& scene, std::size_t i, const Pose& from, double heading, double speed,
-            const ReferencePoint& goal, const ReferenceBounds& bounds, double horizon) const noexcept;
+  Ride ride(const Scene& scene, const Query& query, double heading, double speed) const noexcept;
 
   std::vector<Mover> movers_;
 };

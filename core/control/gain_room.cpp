@@ -33,20 +33,20 @@ std::optional<GainName> shares_limit_with(GainName name) noexcept {
   return std::nullopt;
 }
 
-std::optional<double> lowered_for(GainName name, double wanted, GainName other, const Gains& gains,
-                                  const CouplingGains& couplings, const PairTable& coupled,
-                                  const ReferenceDemand& demand, double per_unit) {
+std::optional<double> lowered_for(GainName name, double wanted, GainName other, const GainRoom& room,
+                                  const PairTable& coupled, double per_unit) {
+  const Gains& gains = room.gains;
   if (gains.robots() < 2 || shares_limit_with(name) != other) return std::nullopt;
   const auto partners = static_cast<double>(gains.robots() - 1);
   double most = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < gains.robots(); ++i) {
-    const double left = free_omega(gains, i) - demand.turning - partners * wanted;
+    const double left = free_omega(gains, i) - room.demand.turning - partners * wanted;
     if (const double sharing = coupled.row_sum(i); sharing > 0.0) most = std::min(most, left / sharing);
   }
-  CouplingGains lowered = couplings;
+  CouplingGains lowered = room.couplings;
   const auto suffices = [&](double steps) {
     table(lowered, other) = times(coupled, steps / per_unit);
-    return gain_limit(name, gains, lowered, demand) >= wanted;
+    return gain_limit(name, gains, lowered, room.demand) >= wanted;
   };
   // The limit is computed in another order, and may come out an ulp below what is wanted.
   double steps = std::isfinite(most) ? std::floor(most * per_unit) : 0.0;
@@ -56,13 +56,12 @@ std::optional<double> lowered_for(GainName name, double wanted, GainName other, 
 }
 
 std::optional<double> lowered_for(GainName name, std::size_t i, std::size_t j, double wanted, GainName other,
-                                  const Gains& gains, const CouplingGains& couplings, const ReferenceDemand& demand,
-                                  double per_unit) {
+                                  const GainRoom& room, double per_unit) {
   if (shares_limit_with(name) != other) return std::nullopt;
-  CouplingGains lowered = couplings;
+  CouplingGains lowered = room.couplings;
   const auto limit_with = [&](double steps) {
     table(lowered, other).set(i, j, steps / per_unit);
-    return gain_limit(name, i, j, gains, lowered, demand);
+    return gain_limit(name, i, j, room.gains, lowered, room.demand);
   };
   double steps = std::floor((limit_with(0.0) - wanted) * per_unit);
   while (steps >= 1.0 && limit_with(steps) < wanted) steps -= 1.0;
@@ -70,10 +69,10 @@ std::optional<double> lowered_for(GainName name, std::size_t i, std::size_t j, d
   return steps / per_unit;
 }
 
-double given_up_for(GainName name, std::size_t i, std::size_t j, double wanted, const Gains& gains,
-                    const CouplingGains& couplings, const ReferenceDemand& demand) noexcept {
-  const double with_others = table(couplings, name).row_sum(i) - table(couplings, name)(i, j);
-  return std::max(0.0, with_others + wanted - row_limit(name, i, gains, couplings, demand));
+double given_up_for(GainName name, std::size_t i, std::size_t j, double wanted, const GainRoom& room) noexcept {
+  const PairTable& own = table(room.couplings, name);
+  const double with_others = own.row_sum(i) - own(i, j);
+  return std::max(0.0, with_others + wanted - row_limit(name, i, room.gains, room.couplings, room.demand));
 }
 
 }  // namespace skein::core

@@ -12,8 +12,10 @@ Shield::Shield(std::size_t robots, std::size_t obstacles)
   constraints_.reserve(robots * (robots - 1) / 2 + robots * (obstacles + edges));
 }
 
-void Shield::collect(const ShieldParameters& p, std::span<const Pose> poses, std::span<const Obstacle> obstacles,
-                     std::span<const double> v_limit, std::span<const double> doubt, const Sizes& sizes) noexcept {
+void Shield::collect(const ShieldParameters& p, const Scene& scene) noexcept {
+  const std::span<const Pose> poses = scene.poses;
+  const std::span<const double> v_limit = scene.v_limit, doubt = scene.doubt;
+  const Sizes& sizes = scene.sizes;
   constraints_.clear();
   for (std::size_t i = 0; i < poses.size(); ++i) cos_[i] = std::cos(poses[i].theta), sin_[i] = std::sin(poses[i].theta);
   const auto add = [&](std::size_t i, std::size_t j, double dx, double dy, double keep, double fastest_closing,
@@ -36,7 +38,7 @@ void Shield::collect(const ShieldParameters& p, std::span<const Pose> poses, std
     for (const std::uint32_t j : near_.above(i))
       add(i, j, poses[i].x - poses[j].x, poses[i].y - poses[j].y,
           p.distance + doubt_of(i) + doubt_of(j) + sizes.beyond(i, j), v_limit[i] + v_limit[j], true);
-    for (const Obstacle& o : obstacles)
+    for (const Obstacle& o : scene.obstacles)
       add(i, i, poses[i].x - o.x, poses[i].y - o.y,
           p.distance - standard_radius + o.radius + doubt_of(i) + sizes.beyond(i), v_limit[i], false);
     // n_ij points into the arena. The room may be negative: then the robot may only come back.
@@ -70,13 +72,14 @@ void Shield::fix(std::span<const bool> adrift, std::span<const Twist> commands) 
   }
 }
 
-void Shield::apply(const ShieldParameters& parameters, std::span<const Pose> poses, std::span<const Obstacle> obstacles,
-                   std::span<const double> v_limit, std::span<Twist> commands, std::span<bool> touched,
-                   std::span<const double> doubt, std::span<const bool> adrift, const Sizes& sizes) noexcept {
+void Shield::apply(const ShieldParameters& parameters, const Scene& scene, std::span<Twist> commands,
+                   std::span<bool> touched) noexcept {
+  const std::span<const Pose> poses = scene.poses;
+  const std::span<const double> v_limit = scene.v_limit;
   std::fill(touched.begin(), touched.end(), false);
   if (!parameters.enabled) return;
-  collect(parameters, poses, obstacles, v_limit, doubt, sizes);
-  fix(adrift, commands);
+  collect(parameters, scene);
+  fix(scene.adrift, commands);
   const auto left_of = [&](const Constraint& c) {
     return c.a_i * v_[c.i] + (c.j != c.i ? c.a_j * v_[c.j] : 0.0) - c.bound;
   };

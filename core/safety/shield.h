@@ -32,15 +32,19 @@ class Shield {
  public:
   Shield(std::size_t robots, std::size_t obstacles);
 
+  struct Scene {
+    std::span<const Pose> poses;
+    std::span<const Obstacle> obstacles = {};
+    std::span<const double> v_limit;  ///< of each robot's speed at its turning rate; |v_i| <= v_limit,i on entry [m/s]
+    std::span<const double> doubt = {};  ///< of each pose, added to D for both robots of a pair; empty: none [m]
+    /// Robots that drive at commands[i].v and ignore commands; empty: none. Their speeds are not changed; the other
+    /// robots give way as far as they can: they do not drive towards them.
+    std::span<const bool> adrift = {};
+    Sizes sizes = {};  ///< of the bodies
+  };
   /// Changes `commands` in place; `touched[i]` becomes true if v_i had to change (by more than 1e-9 m/s).
-  /// v_limit: the limit of each robot's speed at its turning rate [m/s]; |v_i| <= v_limit,i on entry.
-  /// doubt: uncertainty of each robot's pose [m], added to D for both robots of a pair; empty: none.
-  /// sizes: of the bodies.
-  /// adrift: robots that drive at commands[i].v and ignore commands (empty: none). Their speeds are not changed; the
-  /// other robots give way as far as they can: they do not drive towards them.
-  void apply(const ShieldParameters& parameters, std::span<const Pose> poses, std::span<const Obstacle> obstacles,
-             std::span<const double> v_limit, std::span<Twist> commands, std::span<bool> touched,
-             std::span<const double> doubt = {}, std::span<const bool> adrift = {}, const Sizes& sizes = {}) noexcept;
+  void apply(const ShieldParameters& parameters, const Scene& scene, std::span<Twist> commands,
+             std::span<bool> touched) noexcept;
 
  private:
   /// a_i v_i + a_j v_j >= bound, bound <= 0; a_j = 0 for an obstacle or an edge (then j = i).
@@ -48,8 +52,7 @@ class Shield {
     std::size_t i, j;
     double a_i, a_j, bound, multiplier;
   };
-  void collect(const ShieldParameters&, std::span<const Pose>, std::span<const Obstacle>, std::span<const double>,
-               std::span<const double>, const Sizes&) noexcept;
+  void collect(const ShieldParameters& parameters, const Scene& scene) noexcept;
   void fix(std::span<const bool> adrift, std::span<const Twist> commands) noexcept;
 
   std::vector<Constraint> constraints_;  // reserved for every pair, obstacle and edge: apply never allocates

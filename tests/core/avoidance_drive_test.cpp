@@ -33,7 +33,8 @@ double encounter_tick(Encounter& e, core::Shield* shield) {
     commands[i] = limits.limit(commands[i]);
     v_limit[i] = limits.v_limit(commands[i].omega);
   }
-  if (shield) shield->apply({}, e.poses, e.obstacles, v_limit, commands, {e.held.get(), e.n});
+  if (shield)
+    shield->apply({}, {.poses = e.poses, .obstacles = e.obstacles, .v_limit = v_limit}, commands, {e.held.get(), e.n});
   e.twists_before = commands;
   double least = 1e9;
   for (std::size_t i = 0; i < e.n; ++i) {

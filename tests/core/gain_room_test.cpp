@@ -59,7 +59,7 @@ TEST(GainRoom, TheNumberThatIsGivenMakesTheWantedValuePossibleAndNoLargerOneDoes
     const double wanted = std::ceil((limit + draw.between(0.0, 0.15)) * per_unit) / per_unit;
     RC_PRE(wanted > limit);
     const auto to =
-        core::lowered_for(name, wanted, other, room.gains, room.couplings, room.coupled, room.demand, per_unit);
+        core::lowered_for(name, wanted, other, {room.gains, room.couplings, room.demand}, room.coupled, per_unit);
     if (!to) {
       ++none;
       RC_ASSERT(room.limit(name, other, 0.0) < wanted);
@@ -90,7 +90,7 @@ TEST(GainRoom, OfOnePairTheNumberThatIsGivenMakesTheWantedValuePossibleAndNoLarg
       core::table(set, other).set(0, 1, value);
       return core::gain_limit(name, 0, 1, room.gains, set, room.demand);
     };
-    const auto to = core::lowered_for(name, 0, 1, wanted, other, room.gains, room.couplings, room.demand, per_unit);
+    const auto to = core::lowered_for(name, 0, 1, wanted, other, {room.gains, room.couplings, room.demand}, per_unit);
     if (!to) {
       ++none;
       RC_ASSERT(limit_with(0.0) < wanted);
@@ -119,7 +119,7 @@ TEST(GainRoom, WhatTheOtherPairsOfBothRobotsGiveUpIsWhatOnePairLacks) {
     for (const std::size_t robot : {0U, 1U}) {
       const double others = gains.row_sum(robot) - gains(0, 1);
       const double given_up =
-          core::given_up_for(name, robot, 1 - robot, wanted, room.gains, room.couplings, room.demand);
+          core::given_up_for(name, robot, 1 - robot, wanted, {room.gains, room.couplings, room.demand});
       RC_PRE(given_up <= others);
       for (std::size_t j = 2; j < room.gains.robots() && others > 0.0; ++j)
         gains.set(robot, j, gains(robot, j) * (1.0 - given_up / others));
@@ -135,9 +135,9 @@ TEST(GainRoom, NobodyMakesRoomForTheForwardGainNorItForOthers) {
   const CouplingGains paper{gains.k_xx, gains.k_tt, gains.k_yy};
   const PairTable all(4, 1.0);
   for (const GainName other : core::gain_names) {
-    EXPECT_FALSE(core::lowered_for(GainName::k_xx, 0.05, other, gains, paper, all, {}, per_unit));
-    EXPECT_FALSE(core::lowered_for(other, 0.5, GainName::k_xx, gains, paper, all, {}, per_unit));
-    EXPECT_FALSE(core::lowered_for(other, 0.5, other, gains, paper, all, {}, per_unit));
+    EXPECT_FALSE(core::lowered_for(GainName::k_xx, 0.05, other, {gains, paper, {}}, all, per_unit));
+    EXPECT_FALSE(core::lowered_for(other, 0.5, GainName::k_xx, {gains, paper, {}}, all, per_unit));
+    EXPECT_FALSE(core::lowered_for(other, 0.5, other, {gains, paper, {}}, all, per_unit));
   }
 }
 

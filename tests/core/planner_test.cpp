@@ -142,7 +142,8 @@ Outcome run(const Scene& scene) {
       v_limit[i] = out[i] ? 0.0 : limits.v_limit(commands[i].omega);
       midway[i] = {poses[i].x, poses[i].y, poses[i].theta + 0.5 * commands[i].omega * dt};
     }
-    shield.apply(parameters, midway, scene.obstacles, v_limit, commands, {touched.get(), n});
+    shield.apply(parameters, {.poses = midway, .obstacles = scene.obstacles, .v_limit = v_limit}, commands,
+                 {touched.get(), n});
     bool there = true, others_there = true;
     for (std::size_t i = 0; i < n; ++i) {
       if (k > 0 && !out[i]) o.fastest_change = std::max(o.fastest_change, std::abs(commands[i].v - last[i].v));

@@ -42,7 +42,7 @@ double drive_tick(Shield& shield, std::vector<Pose>& poses, std::vector<Twist>& 
   if (heading == Heading::of_chord)
     for (std::size_t i = 0; i < n; ++i) told[i].theta += 0.5 * commands[i].omega * dt;
   std::array<bool, 16> touched{};
-  shield.apply(parameters, told, {}, v_limit, commands, {touched.data(), n});
+  shield.apply(parameters, {.poses = told, .v_limit = v_limit}, commands, {touched.data(), n});
   double least = 1e9;
   for (std::size_t i = 0; i < n; ++i) {
     poses[i] = core::advance(poses[i], commands[i], dt);
@@ -186,7 +186,7 @@ TEST(ShieldDrive, NobodyLeavesTheArena) {
         v_limit[i] = limits.v_limit(commands[i].omega);
         told[i].theta += 0.5 * commands[i].omega * dt;
       }
-      shield.apply(arena, told, {}, v_limit, commands, touched);
+      shield.apply(arena, {.poses = told, .v_limit = v_limit}, commands, touched);
       for (std::size_t i = 0; i < n; ++i) {
         poses[i] = core::advance(poses[i], commands[i], dt);
         farthest = std::max({farthest, std::abs(poses[i].x) + core::standard_radius - arena.half_width,
@@ -207,9 +207,9 @@ TEST(ShieldDrive, ARobotOverTheEdgeComesBackAndNoFartherOut) {
   std::array<bool, 1> touched{};
   std::vector<Twist> out{{0.1, 0.0}}, back{{-0.1, 0.0}};
   const std::vector<double> v_limit{0.1};
-  shield.apply(arena, poses, {}, v_limit, out, touched);
+  shield.apply(arena, {.poses = poses, .v_limit = v_limit}, out, touched);
   EXPECT_NEAR(out[0].v, 0.0, 1e-9);
-  shield.apply(arena, poses, {}, v_limit, back, touched);
+  shield.apply(arena, {.poses = poses, .v_limit = v_limit}, back, touched);
   EXPECT_EQ(back[0].v, -0.1);
 }
 

@@ -19,7 +19,7 @@ Shielded shield(const Crowd& crowd) {
   Shield shield(crowd.robots(), crowd.obstacles.size());
   Shielded result{crowd.wanted, {}};
   const auto flags = std::make_unique<bool[]>(crowd.robots());  // vector<bool> has no span
-  shield.apply(crowd.parameters, crowd.poses, crowd.obstacles, crowd.v_limit, result.commands,
+  shield.apply(crowd.parameters, {crowd.poses, crowd.obstacles, crowd.v_limit}, result.commands,
                {flags.get(), crowd.robots()});
   for (std::size_t i = 0; i < crowd.robots(); ++i) result.touched.push_back(flags[i]);
   return result;
@@ -152,7 +152,7 @@ TEST(Shield, KeepsTheDoubtAboutEitherPoseAsMoreDistance) {
     const std::vector<double> v_limit{0.1, 0.1}, doubt{first, second};
     std::vector<Twist> commands{{0.1, 0.0}, {0.1, 0.0}};
     bool touched[2];
-    Shield(2, 0).apply(crowd.parameters, crowd.poses, {}, v_limit, commands, touched, doubt);
+    Shield(2, 0).apply(crowd.parameters, {.poses = crowd.poses, .v_limit = v_limit, .doubt = doubt}, commands, touched);
     EXPECT_NEAR(commands[0].v + commands[1].v, 4.0 * (0.020 - 0.012), 1e-9) << first << ", " << second;
   }
 }
@@ -168,7 +168,8 @@ TEST(Shield, ARobotAdriftKeepsItsSpeedAndTheOtherDoesTheBraking) {
       std::vector<Twist> commands{{0.1, 0.0}, {0.1, 0.0}};
       commands[adrift].v = rolls;
       bool is_adrift[2] = {adrift == 0, adrift == 1}, touched[2];
-      Shield(2, 0).apply(crowd.parameters, crowd.poses, {}, v_limit, commands, touched, {}, is_adrift);
+      Shield(2, 0).apply(crowd.parameters, {.poses = crowd.poses, .v_limit = v_limit, .adrift = is_adrift}, commands,
+                         touched);
       EXPECT_EQ(commands[adrift].v, rolls);
       EXPECT_NEAR(commands[1 - adrift].v, left, 1e-9) << "adrift: " << adrift;
     }
@@ -239,7 +240,7 @@ TEST(Shield, ForgetsTheLastMoment) {
     const Crowd crowd = random_crowd(draw, 6, 2, k % 2 == 0 ? 1.0 : 0.8);
     std::vector<Twist> commands = crowd.wanted;
     bool touched[6];
-    reused.apply(crowd.parameters, crowd.poses, crowd.obstacles, crowd.v_limit, commands, touched);
+    reused.apply(crowd.parameters, {crowd.poses, crowd.obstacles, crowd.v_limit}, commands, touched);
     ASSERT_EQ(commands, shield(crowd).commands);
   }
 }

@@ -85,7 +85,7 @@ Ride drive(const core::Reference& reference, const Obstacle& obstacle, double fr
       v_limit[i] = limits.v_limit(commands[i].omega);
       midway[i] = {poses[i].x, poses[i].y, poses[i].theta + 0.5 * commands[i].omega * dt};
     }
-    shield.apply(parameters, midway, obstacles, v_limit, commands, {touched.get(), n});
+    shield.apply(parameters, {midway, obstacles, v_limit}, commands, {touched.get(), n});
     for (std::size_t i = 0; i < n; ++i) {
       ride.change = std::max(ride.change, std::abs(commands[i].v - last[i].v));
       const int now = commands[i].v > 0.005 ? 1 : commands[i].v < -0.005 ? -1 : 0;

@@ -39,7 +39,8 @@ Worst drive(std::vector<Pose> poses, const std::vector<double>& radii, bool told
   for (int tick = 0; tick < 400; ++tick) {
     std::vector<Twist> commands(n, Twist{0.1, 0.0});
     const std::vector<double> v_limit(n, 0.1);
-    shield.apply(parameters, poses, {}, v_limit, commands, {touched.data(), n}, {}, {}, told ? Sizes(beyond) : Sizes());
+    shield.apply(parameters, {.poses = poses, .v_limit = v_limit, .sizes = told ? Sizes(beyond) : Sizes()}, commands,
+                 {touched.data(), n});
     for (std::size_t i = 0; i < n; ++i) {
       poses[i] = core::advance(poses[i], commands[i], dt);
       worst.over = std::max({worst.over, std::abs(poses[i].x) + radii[i] - 0.8, std::abs(poses[i].y) + radii[i] - 0.8});

@@ -48,7 +48,7 @@ struct Crossing : Encounter {
         v_limit[i] = limits.v_limit(commands[i].omega);
         midway[i].theta += 0.5 * commands[i].omega * dt;
       }
-      shield.apply({}, midway, obstacles, v_limit, commands, {held.get(), n});
+      shield.apply({}, {.poses = midway, .obstacles = obstacles, .v_limit = v_limit}, commands, {held.get(), n});
       twists_before = commands;
       double farthest = 0.0;
       for (std::size_t i = 0; i < n; ++i) {

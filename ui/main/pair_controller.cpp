@@ -113,7 +113,7 @@ QString PairController::remedy(core::GainName gain, double wanted) {
   if (!other) return slower_reference(gain, fixed);
   const Targets targets = targets_of(run);
   const double shown = rounded_up(wanted);
-  const auto to = core::lowered_for(gain, shown, *other, gains, targets.gains, targets.coupled, demand(), per_unit);
+  const auto to = core::lowered_for(gain, shown, *other, {gains, targets.gains, demand()}, targets.coupled, per_unit);
   if (!to)
     return tr("for %1 even %2 = 0 is not enough; %3")
         .arg(four_places(shown), gain_symbol(*other), slower_reference(gain, fixed));
@@ -130,14 +130,14 @@ QString PairController::remedy(core::GainName gain, std::size_t i, std::size_t j
   const Targets targets = targets_of(run);
   const double shown = rounded_up(wanted);
   if (const auto other = core::shares_limit_with(gain))
-    if (const auto to = core::lowered_for(gain, i, j, shown, *other, gains, targets.gains, demand(), per_unit))
+    if (const auto to = core::lowered_for(gain, i, j, shown, *other, {gains, targets.gains, demand()}, per_unit))
       return tr("lower %1 of the same pair from %2 to %3 to allow %4")
           .arg(gain_symbol(*other), four_places(core::table(targets.gains, *other)(i, j)), four_places(*to),
                four_places(shown));
   const core::PairTable& table = core::table(targets.gains, gain);
   QStringList parts;
   for (const auto& [robot, partner] : {std::pair(i, j), std::pair(j, i)}) {
-    const double less = core::given_up_for(gain, robot, partner, shown, gains, targets.gains, demand());
+    const double less = core::given_up_for(gain, robot, partner, shown, {gains, targets.gains, demand()});
     if (less > table.row_sum(robot) - table(robot, partner))
       return slower_reference(gain, gains.policy == core::GainPolicy::fixed);
     if (less > 0.0) parts << tr("robot %1 by %2").arg(robot + 1).arg(four_places(rounded_up(less)));

@@ -205,8 +205,8 @@ TEST(Diagnosis, MarkersOfArUco) {
       for (int v = -border; v < cells * cell + border; ++v)
         for (int u = -border; u < cells * cell + border; ++u) {
           const bool on_paper = v < 0 || u < 0 || v >= cells * cell || u >= cells * cell;
-          const int row = v / cell, column = u / cell;
-          const bool black = !on_paper && ink[static_cast<std::size_t>(row * cells + column)];
+          const int row = v / cell, column = u / cell, place = row * cells + column;
+          const bool black = !on_paper && ink[static_cast<std::size_t>(place)];
           lab.frame.row(top + v)[left + u] = black ? 30 : 220;
         }
     };
