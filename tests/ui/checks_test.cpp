@@ -129,6 +129,8 @@ TEST_F(Checks, NobodyStartsBlind) {
   open_and_wait(blind);
   ASSERT_TRUE(eventually([&] { return seen(); }));
   EXPECT_FALSE(find("start_anyway")->isVisible());
+  EXPECT_TRUE(eventually([&] { return find<QLabel>("pace")->text().contains(QStringLiteral("Hz")); }));
+  EXPECT_FALSE(find<QLabel>("pace")->text().contains(QStringLiteral("closest pair"))) << "nobody knows";
   window.go();
   EXPECT_TRUE(find<QLabel>("alert")->text().contains(QStringLiteral("tag")))
       << find<QLabel>("alert")->text().toStdString();
@@ -251,6 +253,8 @@ TEST_F(TagsOfAnotherSize, AreShownWholeInASmallWindow) {
       EXPECT_TRUE(eventually([&] { return find(name)->visibleRegion() == QRegion(find(name)->rect()); }))
           << name << " at " << size.width();
     EXPECT_GE(find("tag_picture_1")->height(), 56) << "squeezed at " << size.width();
+    const QRegion reason = find("check_tags")->visibleRegion();
+    EXPECT_TRUE(reason.contains(QPoint(0, 0))) << "its beginning is scrolled away at " << size.width();
   }
 }
 

@@ -16,6 +16,7 @@
 #include <QTimer>
 #include <QToolBar>
 #include <QVBoxLayout>
+#include <algorithm>
 #include <cmath>
 
 #include "app/experiment/experiment_file.h"
@@ -770,7 +771,10 @@ void MainWindow::show_numbers() {
   const app::TickRecord* record = runs_.shown().latest();
   if (!record) return pace_->clear();
   QStringList known;
-  if (std::isfinite(record->min_distance)) known << tr("closest pair %1 cm").arg(record->min_distance * 100, 0, 'f', 1);
+  const auto lost = [](const app::RobotRecord& robot) { return robot.is(app::lost); };
+  const bool anybody = !std::all_of(record->robots.begin(), record->robots.end(), lost);
+  if (anybody && std::isfinite(record->min_distance))
+    known << tr("closest pair %1 cm").arg(record->min_distance * 100, 0, 'f', 1);
   if (record->period > 0.0) known << tr("%1 Hz").arg(1.0 / record->period, 0, 'f', 1);  // the first tick has none
   if (std::isfinite(record->compute_time)) known << tr("tick %1 µs").arg(record->compute_time * 1e6, 0, 'f', 0);
   pace_->setText(known.join(QStringLiteral("   ·   ")));

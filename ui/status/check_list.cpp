@@ -107,8 +107,9 @@ CheckList::CheckList(QWidget* parent)
     row.reason->setWordWrap(true);
     row.reason->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
     const int line = line_of(k);
-    layout->addWidget(row.mark, line, 0);
-    layout->addWidget(row.title, line, 1);
+    // Beside the first line of a long reason.
+    layout->addWidget(row.mark, line, 0, Qt::AlignTop);
+    layout->addWidget(row.title, line, 1, Qt::AlignTop);
     layout->addWidget(row.reason, line, 2);
     if (w.mend) {
       row.mend = new QPushButton(tr(w.mend), this);
@@ -119,7 +120,8 @@ CheckList::CheckList(QWidget* parent)
       keeps_its_place.setRetainSizeWhenHidden(true);
       row.mend->setSizePolicy(keeps_its_place);
       connect(row.mend, &QPushButton::clicked, this, [this, k] { emit mend(static_cast<What>(k)); });
-      layout->addWidget(row.mend, line, 3);
+      layout->addWidget(row.mend, line, 3, Qt::AlignTop);
+      for (QLabel* beside : {row.mark, row.title}) beside->setMinimumHeight(row.mend->sizeHint().height());
     }
     rows_.push_back(row);
     if (static_cast<What>(k) != What::tags) continue;
