@@ -47,11 +47,23 @@ std::string inserted(std::string_view text, std::size_t at, const std::string& l
 }  // namespace
 
 std::optional<std::string> toml_value(std::string_view text, std::string_view key) {
+  return toml_values(text, {std::string(key)}).front();
+}
+
+std::vector<std::optional<std::string>> toml_values(std::string_view text, const std::vector<std::string>& keys) {
   const auto table = parsed_toml(text);
-  const toml::node* const node = table ? find(*table, parts_of(key)) : nullptr;
-  if (!node || node->is_table()) return std::nullopt;
-  const std::size_t begin = offset_of(text, node->source().begin);
-  return std::string(text.substr(begin, offset_of(text, node->source().end) - begin));
+  std::vector<std::optional<std::string>> values;
+  values.reserve(keys.size());
+  for (const std::string& key : keys) {
+    const toml::node* const node = table ? find(*table, parts_of(key)) : nullptr;
+    if (!node || node->is_table()) {
+      values.emplace_back();
+      continue;
+    }
+    const std::size_t begin = offset_of(text, node->source().begin);
+    values.emplace_back(text.substr(begin, offset_of(text, node->source().end) - begin));
+  }
+  return values;
 }
 
 tl::expected<std::string, std::string> with_toml_value(std::string_view text, std::string_view key,

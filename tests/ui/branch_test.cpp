@@ -1,11 +1,14 @@
 // "Go on from here": the past comes out the same, and the rest is the operator's.
 #include <fmt/format.h>
 
+#include <QSignalSpy>
 #include <functional>
 
 #include "app/record/csv_file.h"
+#include "large_experiment.h"
 #include "operator.h"
 #include "ui/gains/gains_panel.h"
+#include "ui/main/branch_controller.h"
 #include "ui/results/result_panel.h"
 
 namespace skein::ui::test {
@@ -250,6 +253,96 @@ TEST_F(Branch, HasTheSameResultsAsTheRunAlsoOfWhatWasDoneBeforeItsStart) {
   ASSERT_TRUE(eventually([&] { return paused(); }));
   EXPECT_EQ(listed(), before);
   EXPECT_FALSE(live().coupled(0, 2));
+}
+
+/// A run whose text is read again for so long that much can happen meanwhile.
+class LongBranch : public Branch {
+ protected:
+  void start_and_pause() {
+    const auto large = app::parse_experiment(timetables_of_64_robots(500).toStdString(), "large.toml");
+    ASSERT_TRUE(large) << large.error().front().message();
+    start(*large);
+    window.go();
+    ASSERT_TRUE(eventually([&] { return paused(); }));
+  }
+  bool is_preparing() { return window.findChild<BranchController*>()->is_busy(); }
+  void ask() { key(Qt::Key_B, nullptr, Qt::ControlModifier); }
+};
+
+TEST_F(LongBranch, IsPreparedWhileTheWindowGoesOn) {
+  start_and_pause();
+  const double t = record().t;
+  QSignalSpy opened(&live(), &LiveRun::opened), frames(&live(), &LiveRun::frame);
+  ask();
+  ASSERT_TRUE(is_preparing());
+  EXPECT_TRUE(live().is_open() && !live().is_busy()) << "the run that is shown stays";
+  EXPECT_TRUE(alert().contains(QStringLiteral("Preparing the run up to"))) << alert().toStdString();
+  ask();
+  find<QAction>("take_back")->trigger();
+  find<QAction>("do_again")->trigger();
+  EXPECT_TRUE(alert().contains(QStringLiteral("Preparing the run up to"))) << "asked again, nothing changes";
+  arena().select(17);
+  EXPECT_TRUE(eventually([&] { return frames.size() > 1; }));
+  EXPECT_TRUE(is_preparing()) << "the window shows frames meanwhile";
+  ASSERT_TRUE(eventually([&] { return opened.size() == 1; }));
+  ASSERT_TRUE(eventually([&] { return paused(); }));
+  EXPECT_NEAR(record().t, t, 1e-9);
+  EXPECT_FALSE(is_preparing()) << "it was asked for twice";
+}
+
+TEST_F(LongBranch, IsGivenUpByAStop) {
+  start_and_pause();
+  ask();
+  ASSERT_TRUE(is_preparing());
+  key(Qt::Key_Space);
+  EXPECT_FALSE(is_preparing()) << "nothing starts by itself after a STOP";
+  EXPECT_TRUE(eventually([&] { return stopped(); }));
+
+  // Where nothing drives there is only this to stop.
+  ask();
+  ASSERT_TRUE(is_preparing());
+  key(Qt::Key_Escape);
+  EXPECT_FALSE(is_preparing());
+  EXPECT_TRUE(alert().contains(QStringLiteral("not repeated"))) << alert().toStdString();
+  EXPECT_TRUE(stopped());
+}
+
+TEST_F(LongBranch, IsGivenUpForAnotherRunAndWhereTheWindowCloses) {
+  start_and_pause();
+  ask();
+  ASSERT_TRUE(is_preparing());
+  QSignalSpy opened(&live(), &LiveRun::opened);
+  window.open(app::paper_experiment(), false);
+  EXPECT_FALSE(is_preparing());
+  ASSERT_TRUE(eventually([&] { return opened.size() == 1 && live().latest(); }));
+  EXPECT_EQ(live().experiment().robots.size(), 4U);
+
+  start_and_pause();
+  ask();
+  ASSERT_TRUE(is_preparing());
+  window.close();
+  EXPECT_FALSE(is_preparing());
+  EXPECT_TRUE(eventually([&] { return !window.isVisible(); }));
+}
+
+TEST_F(LongBranch, AChangeOfTheExperimentIsPreparedInTheSameWay) {
+  const auto large = app::parse_experiment(timetables_of_64_robots(500).toStdString(), "large.toml");
+  ASSERT_TRUE(large) << large.error().front().message();
+  open_and_wait(*large);
+  QSignalSpy opened(&live(), &LiveRun::opened), frames(&live(), &LiveRun::frame);
+  emit find<GainsPanel>("gains")->experiment_wanted(QStringLiteral("controller.coupling=bounded"));
+  EXPECT_TRUE(live().is_open() && !live().is_busy()) << "the window waits for it";
+  EXPECT_TRUE(eventually([&] { return frames.size() > 1; }));
+  EXPECT_EQ(opened.size(), 0) << "the window shows frames meanwhile";
+  ASSERT_TRUE(eventually([&] { return opened.size() == 1 && live().latest(); }));
+  EXPECT_NE(live().experiment().controller.coupling, large->controller.coupling);
+
+  // A start meanwhile is the operator's newest wish.
+  emit find<GainsPanel>("gains")->experiment_wanted(QStringLiteral("controller.coupling=paper"));
+  window.go();
+  EXPECT_TRUE(eventually([&] { return alert().contains(QStringLiteral("came too late")); })) << alert().toStdString();
+  EXPECT_EQ(opened.size(), 1);
+  EXPECT_TRUE(running());
 }
 
 TEST_F(Branch, NeedsARunAndSaysSo) {

@@ -8,6 +8,7 @@
 #include <QTextBlock>
 #include <cmath>
 
+#include "large_experiment.h"
 #include "operator.h"
 #include "tests/app/rows.h"
 #include "ui/editor/experiment_editor.h"
@@ -77,39 +78,20 @@ TEST_F(Editor, MarksWhatIsWrongAndRunsNoneOfIt) {
   EXPECT_EQ(text->textCursor().block().text(), QStringLiteral("frobnicate = 1"));
 }
 
-/// 64 robots, each with a timetable of thousands of places: its check takes many times as long as the editor waits.
-QString timetables_of_64_robots() {
-  QString text = QStringLiteral(
-      "name = \"large\"\nduration = 600\n[arena]\nwidth = 9\nheight = 9\n[avoidance]\nenabled = false\n"
-      "[controller.gains]\nk_xx = 0\nk_tt = 0\nk_yy = 0\n[reference]\nkind = \"independent\"\n");
-  constexpr int robots = 64, places = 2000;
-  for (int i = 0; i < robots; ++i) {
-    text += QStringLiteral("[[robot]]\ntag = %1\ntrajectory = { samples = [").arg(i + 1);
-    for (int k = 0; k < places; ++k) {
-      const int column = i % 8, row = i / 8;
-      const double share = k / (places - 1.0), t = 600.0 * share, x = 1.08 * column - 3.8, y = 1.08 * row - 3.8;
-      const double turned = 60.0 * share * share * share * (10.0 - 15.0 * share + 6.0 * share * share);
-      text += QStringLiteral("[%1, %2, %3], ")
-                  .arg(t, 0, 'f', 6)
-                  .arg(x + 0.2 * std::cos(turned), 0, 'f', 9)
-                  .arg(y + 0.2 * std::sin(turned), 0, 'f', 9);
-    }
-    text += QStringLiteral("] }\n");
-  }
-  return text;
-}
-
 TEST_F(Editor, ChecksALargeExperimentWhileTheWindowGoesOn) {
   start();
   open_editor();
   EXPECT_FALSE(editor->is_checking()) << "the control: a small one is checked at once";
   editor->edit(timetables_of_64_robots(), {});
   EXPECT_TRUE(editor->is_checking());
+  EXPECT_EQ(editor->findChild<QLineEdit*>(QStringLiteral("form_duration"))->text(), QStringLiteral("84.0"))
+      << "the form is filled when the text has been read";
   EXPECT_FALSE(editor->is_valid()) << "not yet known";
   EXPECT_FALSE(button("editor_open").isEnabled());
   ASSERT_TRUE(eventually([&] { return !editor->is_checking(); }));
   EXPECT_TRUE(editor->is_valid());
   EXPECT_TRUE(button("editor_open").isEnabled());
+  EXPECT_EQ(editor->findChild<QLineEdit*>(QStringLiteral("form_duration"))->text(), QStringLiteral("600"));
   EXPECT_EQ(editor->save(dir.filePath(QStringLiteral("large.toml"))), QString());
 }
 

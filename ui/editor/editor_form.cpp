@@ -4,10 +4,8 @@
 #include <QFormLayout>
 #include <QLabel>
 #include <QLineEdit>
-#include <optional>
 
 #include "app/experiment/experiment_keys.h"
-#include "app/experiment/toml_edit.h"
 
 namespace skein::ui {
 namespace {
@@ -103,10 +101,16 @@ void EditorForm::add(const char* name, const QString& label, const QString& usua
   fields_.push_back(std::move(field));
 }
 
-void EditorForm::show_text(const QString& text) {
-  const std::string toml = text.toStdString();
-  for (const Field& field : fields_) {
-    const QString value = bare(app::toml_value(toml, field.name.toStdString()));
+std::vector<std::string> EditorForm::keys() const {
+  std::vector<std::string> keys;
+  for (const Field& field : fields_) keys.push_back(field.name.toStdString());
+  return keys;
+}
+
+void EditorForm::show_values(const std::vector<std::optional<std::string>>& values) {
+  for (std::size_t k = 0; k < fields_.size(); ++k) {
+    const Field& field = fields_[k];
+    const QString value = bare(values[k]);
     if (field.line && !(field.line->hasFocus() && field.line->isModified())) {
       field.line->setPlaceholderText(field.usual);
       if (field.line->text() != value) field.line->setText(value);

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <QWidget>
+#include <optional>
+#include <string>
 #include <vector>
 
 class QComboBox;
@@ -14,8 +16,10 @@ class EditorForm final : public QWidget {
 
  public:
   explicit EditorForm(QWidget* parent = nullptr);
-  /// Shows the values of the text; fields being edited are not changed.
-  void show_text(const QString& text);
+  /// The keys of its fields, dotted.
+  std::vector<std::string> keys() const;
+  /// Shows the keys' values as a text has them; fields being edited are not changed.
+  void show_values(const std::vector<std::optional<std::string>>& values);
 
  signals:
   void set_wanted(const QString& key, const QString& value);  ///< as TOML

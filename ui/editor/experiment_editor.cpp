@@ -184,22 +184,24 @@ void ExperimentEditor::check() {
   pause_.stop();
   opens_then_ = false;
   const QString name = file_.isEmpty() ? tr("experiment") : file_;
-  checking_.run([text = text().toStdString(), file = name.toStdString()](const std::stop_token&) {
+  checking_.run([text = text().toStdString(), file = name.toStdString(), keys = form_->keys()](const std::stop_token&) {
     auto experiment = app::parse_experiment(text, file);
-    return experiment ? std::vector<app::Problem>() : std::move(experiment.error());
+    return Verdict{experiment ? std::vector<app::Problem>() : std::move(experiment.error()),
+                   app::toml_values(text, keys)};
   });
   take_verdict(unnoticed);
 }
 
 void ExperimentEditor::take_verdict(std::chrono::milliseconds patience) {
   constexpr int asks_every_ms = 30;
-  if (const auto problems = checking_.take(patience)) return show_verdict(*problems);
+  if (const auto verdict = checking_.take(patience)) return show_verdict(*verdict);
   open_->setEnabled(false);
   verdict_->setText(tr("Checking …"));
   asks_.start(asks_every_ms);
 }
 
-void ExperimentEditor::show_verdict(const std::vector<app::Problem>& problems) {
+void ExperimentEditor::show_verdict(const Verdict& told) {
+  const std::vector<app::Problem>& problems = told.problems;
   asks_.stop();
   problems_ = static_cast<int>(problems.size());
   text_->show_problems(problems);
@@ -217,7 +219,7 @@ void ExperimentEditor::show_verdict(const std::vector<app::Problem>& problems) {
   verdict_->setText(
       QStringLiteral("<span style=\"color:%1\">%2</span>").arg((problems.empty() ? c.good : c.alarm).name(), verdict));
   open_->setEnabled(problems.empty());
-  form_->show_text(text());
+  form_->show_values(told.values);
   keep_draft();
   if (std::exchange(opens_then_, false) && problems.empty()) emit open_wanted(file_);
 }

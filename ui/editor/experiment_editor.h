@@ -4,6 +4,8 @@
 #include <QTimer>
 #include <chrono>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "app/experiment/problem.h"
@@ -55,7 +57,11 @@ class ExperimentEditor final : public QDialog {
   void replace_text(const QString& text);
   void check();
   void take_verdict(std::chrono::milliseconds patience);
-  void show_verdict(const std::vector<app::Problem>& problems);
+  struct Verdict {
+    std::vector<app::Problem> problems;
+    std::vector<std::optional<std::string>> values;  // of the form's keys
+  };
+  void show_verdict(const Verdict& verdict);
   void ask_save(bool then_open);
   void save_and(bool then_open);
   void write_and(bool then_open);
@@ -76,7 +82,7 @@ class ExperimentEditor final : public QDialog {
   QLabel* offer_text_;
   std::unique_ptr<Draft> draft_;
   QTimer pause_;  // in typing
-  Aside<std::vector<app::Problem>> checking_;
+  Aside<Verdict> checking_;
   QTimer asks_;              // for the verdict
   bool opens_then_ = false;  // if the verdict is good
   QString file_;

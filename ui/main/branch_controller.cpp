@@ -20,6 +20,7 @@ bool acts(const app::TickRecord& row) {
 BranchController::BranchController(Runs& runs, const Messages& messages, QObject* parent)
     : QObject(parent), runs_(runs), messages_(messages) {
   connect(&runs_.live(), &LiveRun::record_shown, this, &BranchController::show_record);
+  connect(&runs_, &Runs::shown_changed, this, &BranchController::drop);
 }
 
 void BranchController::build_menu(QMenu* run) {
@@ -46,20 +47,11 @@ std::size_t BranchController::rows_so_far() const {
   return static_cast<std::size_t>(std::find_if(rows.begin(), rows.end(), later) - rows.begin());
 }
 
-/// The shown run's first so many rows, with everything that was done in them; none: it cannot be repeated, and a
-/// message says why.
-std::optional<BranchController::Past> BranchController::past(std::size_t count) {
-  const RunSource& shown = runs_.shown();
-  if (const auto why = app::real_time_reason(shown.experiment())) {
-    messages_.say(tr("Only a simulation can be repeated: %1").arg(QString::fromStdString(*why)), Severity::notice);
-    return {};
-  }
-  const RunHistory::Rows kept = shown.rows();
-  if (count == 0 || runs_.live().is_busy()) {
-    messages_.say(tr("There is no run yet to go on from"), Severity::notice);
-    return {};
-  }
+/// A run's first so many rows, with everything that was done in them. The error: why it cannot be repeated.
+BranchController::Prepared BranchController::past(app::Experiment until_here, const RunHistory::Rows& kept,
+                                                  std::size_t count) {
   std::vector<const app::TickRecord*> rows;
+  rows.reserve(count);
   for (std::size_t k = 0; k < count; ++k) rows.push_back(kept[k].get());
   const double t = rows.back()->t;
   // What was done after this moment is what may now be done otherwise.
@@ -71,17 +63,58 @@ std::optional<BranchController::Past> BranchController::past(std::size_t count) 
     };
     return action.t > t || std::any_of(kept.begin() + static_cast<std::ptrdiff_t>(count), kept.end(), did);
   };
-  app::Experiment until_here = shown.experiment();
   std::erase_if(until_here.actions, undone);
   auto repeated = app::parse_experiment(app::text_as_done(until_here, rows), until_here.name);
-  if (!repeated) {
-    messages_.problem(tr("This run cannot be repeated"), QString::fromStdString(repeated.error().front().message()));
-    return {};
-  }
+  if (!repeated) return tl::unexpected(repeated.error().front().message());
   repeated->directory = until_here.directory;
   std::erase_if(repeated->actions, undone);  // those of a table in one line are still in the text
   repeated->actions.push_back({t, app::events::Pause{}});
   return Past{*std::move(repeated), t};
+}
+
+bool BranchController::can_be_repeated(std::size_t count) const {
+  if (const auto why = app::real_time_reason(runs_.shown().experiment())) {
+    messages_.say(tr("Only a simulation can be repeated: %1").arg(QString::fromStdString(*why)), Severity::notice);
+    return false;
+  }
+  if (count > 0 && !runs_.live().is_busy()) return true;
+  messages_.say(tr("There is no run yet to go on from"), Severity::notice);
+  return false;
+}
+
+void BranchController::prepare(std::size_t to, std::optional<std::size_t> from) {
+  RunHistory::Rows rows = runs_.shown().rows();
+  preparing_to_ = rows[to - 1]->t;
+  preparing_.run([experiment = runs_.shown().experiment(), rows = std::move(rows), to, from](const std::stop_token&) {
+    Wanted wanted{past(experiment, rows, to), {}};
+    if (from) wanted.from = past(experiment, rows, *from);
+    return wanted;
+  });
+  messages_.say(doing(), Severity::note);
+}
+
+QString BranchController::doing() const {
+  return is_busy() ? tr("Preparing the run up to %1 s …").arg(preparing_to_, 0, 'f', 2) : QString();
+}
+
+void BranchController::drop() {
+  if (!is_busy()) return;
+  preparing_.drop();
+  messages_.say(tr("The run is not repeated"), Severity::notice);
+}
+
+void BranchController::refresh() {
+  if (runs_.live().is_busy()) return;
+  auto wanted = preparing_.take();
+  if (!wanted) return;
+  for (const Prepared* one : {&wanted->to, wanted->from ? &*wanted->from : nullptr})
+    if (one && !*one) return messages_.problem(tr("This run cannot be repeated"), QString::fromStdString(one->error()));
+  if (wanted->from) {
+    if (runs_.shown().experiment().source != branch_) taken_back_.clear();
+    taken_back_.push_back(**std::move(wanted->from));
+    branch_ = wanted->to->experiment.source;
+  }
+  repeat(*wanted->to);
 }
 
 void BranchController::repeat(const Past& past) {
@@ -92,10 +125,12 @@ void BranchController::repeat(const Past& past) {
 }
 
 void BranchController::go_on_from_here() {
-  if (const auto here = past(rows_so_far())) repeat(*here);
+  if (is_busy()) return;
+  if (const std::size_t now = rows_so_far(); can_be_repeated(now)) prepare(now, {});
 }
 
 void BranchController::take_back() {
+  if (is_busy()) return;
   const RunHistory::Rows rows = runs_.shown().rows();
   const std::size_t now = rows_so_far();
   std::size_t before = 0;       // so many rows are before the first of the last actions
@@ -104,16 +139,11 @@ void BranchController::take_back() {
     if (acts(*rows[k])) acted = rows[before = k]->now;
   if (before == 0 || rows[before - 1]->phase == app::Phase::staging)
     return messages_.say(tr("Nothing has been done to this run that could be taken back"), Severity::notice);
-  auto all = past(now);
-  const auto rest = all ? past(before) : std::nullopt;
-  if (!rest) return;
-  if (runs_.shown().experiment().source != branch_) taken_back_.clear();
-  taken_back_.push_back(*std::move(all));
-  branch_ = rest->experiment.source;
-  repeat(*rest);
+  if (can_be_repeated(before)) prepare(before, now);
 }
 
 void BranchController::do_again() {
+  if (is_busy()) return;
   const RunHistory::Rows rows = runs_.shown().rows();
   const auto paused = std::find_if(rows.begin(), rows.end(), [this](const auto& row) {
     return began_at_ && row->t >= *began_at_ && row->events.template contains<app::events::Pause>();

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "app/experiment/experiment.h"
+#include "ui/base/aside.h"
 #include "ui/main/messages.h"
 
 namespace skein::ui {
@@ -27,6 +28,12 @@ class BranchController final : public QObject {
   void do_again();
   /// A branch that is run again does not pause where it began.
   void forget_pause(app::Experiment& experiment) const;
+  /// Whether a past is being prepared. Of many robots with long timetables that takes a second; the run that is shown
+  /// goes on meanwhile.
+  bool is_busy() const { return preparing_.is_busy(); }
+  void drop();            ///< what is being prepared is no longer wanted
+  void refresh();         ///< thirty times a second
+  QString doing() const;  ///< for the operator; empty: nothing is being prepared
 
  signals:
   /// Requests to run this from its start. It pauses by itself at the present moment of the run that is shown now.
@@ -38,8 +45,15 @@ class BranchController final : public QObject {
     app::Experiment experiment;
     double t;  // [s]
   };
+  using Prepared = tl::expected<Past, std::string>;
+  struct Wanted {
+    Prepared to;
+    std::optional<Prepared> from;  // of an action that is taken back: what it was
+  };
+  static Prepared past(app::Experiment until_here, const RunHistory::Rows& kept, std::size_t count);
   std::size_t rows_so_far() const;
-  std::optional<Past> past(std::size_t count);
+  bool can_be_repeated(std::size_t count) const;  // and if it cannot, says why
+  void prepare(std::size_t to, std::optional<std::size_t> from);
   void repeat(const Past& past);
   void show_record(const app::TickRecord& record);
 
@@ -50,6 +64,8 @@ class BranchController final : public QObject {
   std::optional<double> began_at_;  // the latest branch [s]
   std::vector<Past> taken_back_;    // the latest last
   std::string branch_;              // the text of the run that take_back() or do_again() asked for
+  Aside<Wanted> preparing_;
+  double preparing_to_ = 0.0;  // [s]
 };
 
 }  // namespace skein::ui

@@ -127,7 +127,8 @@ MainWindow::MainWindow() {
   connect_panels();
   connect_session();
   new StopGuard({[this] { return stop_by_key(); },
-                 [this] { return runs_.live().all_stand() && !connect_->is_working(); }, [this] { on_space(); }},
+                 [this] { return runs_.live().all_stand() && !connect_->is_working() && !branch_->is_busy(); },
+                 [this] { on_space(); }},
                 run_bar_->stop_button(), this);
   default_layout();
   restore_settings();
@@ -594,6 +595,7 @@ void MainWindow::open(const app::Experiment& experiment, bool start_at_once) {
     messages_->say(tr("Robots are being set up: that is ended first"), Severity::notice);
     return connect_->end_then([this, experiment, start_at_once] { open(experiment, start_at_once); });
   }
+  branch_->drop();
   teaches_ = start_at_once;
   camera_->let_go();
   runs_.live().open(experiment, start_at_once, recording_->film(experiment));
@@ -693,6 +695,7 @@ void MainWindow::on_frame(double now) {
   const bool alarm = alert_->severity() == Severity::alarm;
   arena_->set_alert(over ? QString() : alert_->loud_beside_banner(), alarm ? c.alarm_fill : c.warning);
   files_->refresh();
+  branch_->refresh();
   take_reopened({});
   replay_->refresh();
   comparison_->refresh();
@@ -716,7 +719,7 @@ void MainWindow::show_state() {
 
   const bool may_be_ready = run.is_open() && run.latest() && run.is_before_start();
   const QString file = files_->reading() + replay_->reading();  // one of them at most
-  const QString reading = file.isEmpty() ? QString() : reading_text(file);
+  const QString reading = file.isEmpty() ? branch_->doing() : reading_text(file);
   const bool nothing_else = !reading.isEmpty() && !run.is_open() && !run.is_busy() && !run.is_complete();
   const Notice banner = nothing_else ? Notice{reading} : may_be_ready ? checks_->banner() : run.banner();
   const bool unready = may_be_ready && phase == app::Phase::ready && !checks_->all_hold();
@@ -789,6 +792,7 @@ void MainWindow::select_robot(int robot) {
 void MainWindow::stop() {
   runs_.live().stop();  // before anything else
   connect_->stop();
+  branch_->drop();  // nothing starts by itself after a STOP
   show_state();
 }
 
@@ -796,7 +800,7 @@ bool MainWindow::stop_by_key() {
   const LiveRun& live = runs_.live();
   const bool could_move = (live.is_open() || live.is_busy()) && !live.stop_asked() &&
                           live.phase() != app::Phase::stopped && live.phase() != app::Phase::finished;
-  const bool was_working = connect_->is_working();
+  const bool was_working = connect_->is_working() || branch_->is_busy();
   stop();
   return could_move || was_working;
 }
@@ -905,6 +909,7 @@ void MainWindow::mend(app::Check::What what) {
 }
 
 void MainWindow::let_go_of_session() {
+  branch_->drop();
   arena_->set_camera(nullptr);  // it goes with the session
 }
 
@@ -933,6 +938,7 @@ void MainWindow::closeEvent(QCloseEvent* event) {
   // The robots first; the window goes when they stand, or have not answered for a second.
   let_go_of_session();
   files_->drop();
+  branch_->drop();
   reopening_.drop();
   connect_->stop();
   runs_.live().close();
