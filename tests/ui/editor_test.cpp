@@ -289,6 +289,50 @@ TEST_F(Editor, AsksBeforeItOverwritesWhatSomebodyElseWrote) {
   QFile now(file);
   ASSERT_TRUE(now.open(QIODevice::ReadOnly));
   EXPECT_TRUE(now.readAll().contains("# theirs")) << "it is overwritten";
+  EXPECT_TRUE(question->text().contains(QStringLiteral("by another program"))) << question->text().toStdString();
+}
+
+TEST_F(Editor, TellsWhatSetChangedFromWhatSomebodyElseWrote) {
+  write(paper);
+  const auto changed = app::load_experiment(file.toStdString(), {"duration=7", "controller.k_y=9"});
+  ASSERT_TRUE(changed) << changed.error().front().message();
+  open_and_wait(*changed);
+  window.set_experiment_file(file);
+  open_editor();
+  EXPECT_FALSE(editor->has_changes()) << "nobody has typed anything";
+  const auto question = [&] { return editor->findChild<QMessageBox*>(QStringLiteral("editor_overwrite_dialog")); };
+  QTest::mouseClick(&button("editor_save"), Qt::LeftButton);
+  ASSERT_NE(question(), nullptr);
+  EXPECT_FALSE(question()->text().contains(QStringLiteral("another program"))) << question()->text().toStdString();
+  for (const char* said : {"--set", "duration", "controller.k_y"})
+    EXPECT_TRUE(question()->text().contains(QLatin1String(said))) << said << ": " << question()->text().toStdString();
+  delete question();
+
+  write(paper + QStringLiteral("\n# theirs\n"));  // since the window opened it
+  delete editor;
+  open_editor();
+  QTest::mouseClick(&button("editor_save"), Qt::LeftButton);
+  ASSERT_NE(question(), nullptr);
+  EXPECT_TRUE(question()->text().contains(QStringLiteral("by another program"))) << question()->text().toStdString();
+  for (QAbstractButton* answer : question()->buttons())
+    if (answer->text() == QStringLiteral("Overwrite it")) answer->click();
+  EXPECT_FALSE(editor->text().contains(QStringLiteral("theirs")));
+  delete question();
+  QTest::mouseClick(&button("editor_save"), Qt::LeftButton);
+  EXPECT_EQ(question(), nullptr) << "the file has it by now";
+}
+
+TEST_F(Editor, AFileThatWasBrokenMeanwhileIsNotSaidToHaveChangedSinceItWasRead) {
+  stand();
+  open_shared();
+  delete editor;
+  write(paper + QStringLiteral("\nfrobnicate = 1\n"));
+  window.open_file(file);
+  ASSERT_TRUE(eventually([&] { return (editor = find_editor()) != nullptr; }));
+  text = editor->findChild<TomlText*>(QStringLiteral("editor_text"));
+  text->setPlainText(paper);
+  QTest::mouseClick(&button("editor_save"), Qt::LeftButton);
+  EXPECT_EQ(editor->findChild<QMessageBox*>(QStringLiteral("editor_overwrite_dialog")), nullptr);
 }
 
 }  // namespace

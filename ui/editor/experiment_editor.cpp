@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "app/experiment/experiment_file.h"
+#include "app/experiment/experiment_sets.h"
 #include "app/experiment/toml_edit.h"
 #include "ui/base/dialogs.h"
 #include "ui/base/palette.h"
@@ -29,11 +30,28 @@ namespace {
 constexpr int typing_pause_ms = 250;
 constexpr int place_role = Qt::UserRole;  // QPoint(line, column)
 
-/// What a file holds, with ends of lines as the editor has them; none: it cannot be read.
+/// With ends of lines as the editor has them.
+QString as_edited(QString text) {
+  return text.replace(QStringLiteral("\r\n"), QStringLiteral("\n"));
+}
+
+/// What a file holds, as the editor has it; none: it cannot be read.
 std::optional<QString> text_of(const QString& path) {
   QFile file(path);
   if (!file.open(QIODevice::ReadOnly)) return std::nullopt;
-  return QString::fromUtf8(file.readAll()).replace(QStringLiteral("\r\n"), QStringLiteral("\n"));
+  return as_edited(QString::fromUtf8(file.readAll()));
+}
+
+/// The keys in which one experiment differs from another: "duration, controller.k_y".
+QString differing_keys(const QString& before, const QString& after) {
+  constexpr qsizetype most = 5;
+  QStringList keys;
+  for (const std::string& set : app::sets_between(before.toStdString(), after.toStdString()))
+    keys << QString::fromStdString(set.substr(0, set.find('=')));
+  const bool more = keys.size() > most;
+  keys = keys.mid(0, most);
+  if (more) keys << QStringLiteral("…");
+  return keys.join(QStringLiteral(", "));
 }
 
 }  // namespace
@@ -130,12 +148,13 @@ ExperimentEditor::ExperimentEditor(QWidget* parent)
 
 ExperimentEditor::~ExperimentEditor() = default;
 
-void ExperimentEditor::edit(const QString& text, const QString& file) {
+void ExperimentEditor::edit(const QString& text, const QString& file, const QString& in_file) {
   file_ = file;
   draft_ = std::make_unique<Draft>(file.isEmpty() ? text : file);
   text_->setPlainText(text);
   text_->document()->setModified(file.isEmpty());
   kept_ = on_disk_ = this->text();
+  if (!in_file.isEmpty()) on_disk_ = as_edited(in_file);
   offer_draft();  // before the check, which would take it for settled
   check();
   show_title();
@@ -249,7 +268,17 @@ void ExperimentEditor::replace_text(const QString& text) {
 
 void ExperimentEditor::save_and(bool then_open) {
   if (file_.isEmpty()) return ask_save(then_open);
-  if (was_changed_by_others()) return ask_overwrite(then_open);
+  const QString name = QFileInfo(file_).fileName();
+  if (was_changed_by_others())
+    return ask_overwrite(then_open, tr("%1 was changed by another program since it was opened here.").arg(name));
+  if (differs_from_file()) {
+    const QString keys = differing_keys(on_disk_, kept_);
+    return ask_overwrite(
+        then_open, tr("The experiment that is open differs from %1: by --set, by values of other files, or by what was "
+                      "changed in the window. "
+                      "Saving writes that into the file too%2")
+                       .arg(name, keys.isEmpty() ? QStringLiteral(".") : QStringLiteral(": ") + keys));
+  }
   write_and(then_open);
 }
 
@@ -268,14 +297,11 @@ bool ExperimentEditor::was_changed_by_others() const {
   return now && *now != on_disk_;
 }
 
-void ExperimentEditor::ask_overwrite(bool then_open) {
-  auto* box = new QMessageBox(
-      QMessageBox::Warning, tr("Changed meanwhile"),
-      tr("%1 was changed by another program since it was opened here.").arg(QFileInfo(file_).fileName()),
-      QMessageBox::NoButton, this);
+void ExperimentEditor::ask_overwrite(bool then_open, const QString& why) {
+  auto* box = new QMessageBox(QMessageBox::Warning, tr("The file differs"), why, QMessageBox::NoButton, this);
   box->setObjectName(QStringLiteral("editor_overwrite_dialog"));
   auto* overwrite = box->addButton(tr("Overwrite it"), QMessageBox::DestructiveRole);
-  auto* reload = box->addButton(tr("Open the changed file"), QMessageBox::ResetRole);
+  auto* reload = box->addButton(tr("Open the file as it is"), QMessageBox::ResetRole);
   auto* other = box->addButton(tr("Save under another name …"), QMessageBox::ActionRole);
   box->addButton(QMessageBox::Cancel);
   connect(overwrite, &QPushButton::clicked, this, [this, then_open] { write_and(then_open); });

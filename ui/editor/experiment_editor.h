@@ -30,8 +30,9 @@ class ExperimentEditor final : public QDialog {
  public:
   explicit ExperimentEditor(QWidget* parent = nullptr);
   ~ExperimentEditor() override;
-  /// `file`: where it lies, empty for a text that has no file yet.
-  void edit(const QString& text, const QString& file);
+  /// `file`: where it lies, empty for a text that has no file yet. `in_file`: what the file held when the experiment
+  /// was opened, which may differ from the text; empty: the text.
+  void edit(const QString& text, const QString& file, const QString& in_file = {});
   QString text() const;
   /// One key with another value, as TOML has it; errors are shown below the text.
   void set_value(const QString& key, const QString& value);
@@ -66,7 +67,8 @@ class ExperimentEditor final : public QDialog {
   void save_and(bool then_open);
   void write_and(bool then_open);
   bool was_changed_by_others() const;
-  void ask_overwrite(bool then_open);
+  bool differs_from_file() const { return kept_ != on_disk_; }
+  void ask_overwrite(bool then_open, const QString& why);
   void ask_close();
   void show_title();
   void keep_draft();

@@ -49,27 +49,32 @@ void EditorController::save_with(const std::vector<std::pair<QString, QString>>&
 }
 
 void EditorController::edit_with_tables(const QString& tables) {
-  const RunSource& run = runs_.shown();
-  open_editor(QString::fromStdString(run.experiment().source), run.file())->append(tables);
+  open_editor_of_shown()->append(tables);
 }
 
 ExperimentEditor* EditorController::open_editor_with(const std::vector<std::pair<QString, QString>>& values) {
-  const RunSource& run = runs_.shown();
-  ExperimentEditor* editor = open_editor(QString::fromStdString(run.experiment().source), run.file());
+  ExperimentEditor* editor = open_editor_of_shown();
   for (const auto& [key, value] : values) editor->set_value(key, value);
   return editor;
 }
 
-ExperimentEditor* EditorController::open_editor(const QString& text, const QString& file) {
+ExperimentEditor* EditorController::open_editor_of_shown() {
+  const RunSource& run = runs_.shown();
+  const LiveRun& live = runs_.live();
+  return open_editor(QString::fromStdString(run.experiment().source), run.file(),
+                     run.file() == live.file() ? live.file_text() : QString());
+}
+
+ExperimentEditor* EditorController::open_editor(const QString& text, const QString& file, const QString& in_file) {
   auto* editor = new ExperimentEditor(messages_.window());
   connect(editor, &ExperimentEditor::open_wanted, &files_, &FileController::open);
-  editor->edit(text, file);
+  editor->edit(text, file, in_file);
   editor->show();
   return editor;
 }
 
 void EditorController::edit_experiment() {
-  edit(QString::fromStdString(runs_.shown().experiment().source), runs_.shown().file());
+  open_editor_of_shown();
 }
 
 /// The experiment with every pair's gains as they are now.

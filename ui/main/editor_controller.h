@@ -30,7 +30,8 @@ class EditorController final : public QObject {
   void edit_experiment();  ///< the one that is shown, as in its file
 
  private:
-  ExperimentEditor* open_editor(const QString& text, const QString& file);
+  ExperimentEditor* open_editor(const QString& text, const QString& file, const QString& in_file = {});
+  ExperimentEditor* open_editor_of_shown();
   ExperimentEditor* open_editor_with(const std::vector<std::pair<QString, QString>>& values);
   void edit_present();
   QString as_done() const;

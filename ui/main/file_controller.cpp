@@ -121,7 +121,7 @@ void FileController::refresh() {
   }
   if (real_robots_move()) return;
   emit experiment_wanted(*done->experiment);
-  set_experiment_file(done->file);
+  set_file(done->file, QString::fromStdString(done->text));
 }
 
 void FileController::rehearse() {
@@ -145,8 +145,15 @@ void FileController::open_recording(const QString& file) {
 }
 
 void FileController::set_experiment_file(const QString& file) {
-  live_.set_file(file.isEmpty() ? QString() : QFileInfo(file).absoluteFilePath());
-  if (!live_.file().isEmpty()) remember(live_.file());
+  if (file.isEmpty()) return live_.set_file({}, {});
+  if (QFileInfo(file).absoluteFilePath() == live_.file()) return;
+  const auto text = app::read_text(file.toStdString());
+  set_file(file, text ? QString::fromStdString(*text) : QString());
+}
+
+void FileController::set_file(const QString& file, const QString& text) {
+  live_.set_file(QFileInfo(file).absoluteFilePath(), text);
+  remember(live_.file());
 }
 
 void FileController::remember(const QString& file) {

@@ -31,6 +31,7 @@ class FileController final : public QObject {
   static QString dragged(const QMimeData* data);
 
   /// Where the open experiment comes from, for the editor and the list of recent files; empty: not known.
+  /// One that is known already is not read anew: the experiment is that of the file as it was.
   void set_experiment_file(const QString& file);
   void remember(const QString& file);
 
@@ -50,6 +51,7 @@ class FileController final : public QObject {
   static Read read(const QString& file);
 
   void ask();
+  void set_file(const QString& file, const QString& text);
   bool cannot_open() const;       // and reports why: real robots drive, or a session is being opened or closed
   bool real_robots_move() const;  // and reports that nothing is opened meanwhile
 

@@ -44,7 +44,13 @@ class LiveRun final : public RunSource {
 
   const app::Experiment& experiment() const override { return experiment_; }
   QString file() const override { return file_; }
-  void set_file(const QString& file) { file_ = file; }
+  /// `text`: of the file, as it was read.
+  void set_file(const QString& file, const QString& text) {
+    file_ = file;
+    file_text_ = text;
+  }
+  /// The experiment may differ from it: by --set, and by what the window has changed.
+  QString file_text() const { return file_text_; }
   QString title() const override { return QString::fromStdString(experiment_.name); }
   app::Phase phase() const override { return latest_ ? latest_->phase : app::Phase::ready; }
   RunState state() const override;
@@ -173,7 +179,7 @@ class LiveRun final : public RunSource {
   Done change(const std::function<Done(app::Session&)>& what);
 
   app::Experiment experiment_;
-  QString file_;
+  QString file_, file_text_;
   std::shared_ptr<app::CsvRecorder> recorder_;  // of this session, which writes to it: must outlive it
   std::shared_ptr<app::RunKeeper> keeper_;      // the same
   std::unique_ptr<app::Session> session_;
