@@ -119,9 +119,8 @@ TEST_F(Accessible, EveryDialogTellsNameAndRoleOfEverything) {
 }
 
 TEST_F(Accessible, WhatIsNotAlwaysInTheWindowTellsNameAndRoleToo) {
-  const QByteArray before = qgetenv("XDG_STATE_HOME");
   const QTemporaryDir dir;
-  qputenv("XDG_STATE_HOME", dir.path().toUtf8());
+  const EnvironmentVariable state_home("XDG_STATE_HOME", dir.path().toUtf8());
   ASSERT_TRUE(QDir(dir.path()).mkpath(QStringLiteral("skein")));
   QFile marker(dir.filePath(QStringLiteral("skein/run-999999")));
   ASSERT_TRUE(marker.open(QIODevice::WriteOnly));
@@ -140,7 +139,6 @@ TEST_F(Accessible, WhatIsNotAlwaysInTheWindowTellsNameAndRoleToo) {
   QTest::qWait(20);
   expect_told(&window, 45);
   plots->show_over({}, {});
-  before.isNull() ? qunsetenv("XDG_STATE_HOME") : qputenv("XDG_STATE_HOME", before);
 }
 
 TEST_F(Accessible, ValuesAndStatesAreTold) {

@@ -242,8 +242,7 @@ TEST_F(ConnectPageTest, RefusesWhileARunIsUnderWayAndEndsWhenOneStarts) {
 }
 
 TEST_F(ConnectPageTest, SaysWhyThereIsNoBluetooth) {
-  const QByteArray before = qgetenv("DBUS_SYSTEM_BUS_ADDRESS");
-  qputenv("DBUS_SYSTEM_BUS_ADDRESS", "unix:path=/nowhere/bus");
+  const EnvironmentVariable bus("DBUS_SYSTEM_BUS_ADDRESS", "unix:path=/nowhere/bus");
   open_and_wait(app::paper_experiment());
   open_page();
   press("connect_scan");
@@ -254,7 +253,6 @@ TEST_F(ConnectPageTest, SaysWhyThereIsNoBluetooth) {
   ASSERT_TRUE(eventually([&] { return rests(); }));
   EXPECT_TRUE(status().contains(QStringLiteral("wlan0")) && status().contains(QStringLiteral("allowed")))
       << status().toStdString();
-  before.isEmpty() ? qunsetenv("DBUS_SYSTEM_BUS_ADDRESS") : qputenv("DBUS_SYSTEM_BUS_ADDRESS", before);
 }
 
 TEST_F(ConnectPageTest, FindsPairsAddsAndSavesARobot) {
@@ -279,14 +277,12 @@ TEST_F(ConnectPageTest, FindsPairsAddsAndSavesARobot) {
   EXPECT_EQ(cell(4, Column::paired).toStdString(), "yes");
   EXPECT_EQ(cell(4, Column::verdict).toStdString(), "ping it");
 
-  const QByteArray before = qgetenv("XDG_CONFIG_HOME");
-  qputenv("XDG_CONFIG_HOME", dir.path().toUtf8());
+  const EnvironmentVariable config_home("XDG_CONFIG_HOME", dir.path().toUtf8());
   press("connect_save");
   EXPECT_TRUE(status().contains(QStringLiteral("robots.toml"))) << status().toStdString();
   QFile file(dir.filePath(QStringLiteral("skein/robots.toml")));
   ASSERT_TRUE(file.open(QIODevice::ReadOnly));
   EXPECT_TRUE(file.readAll().contains("e-puck_1234"));
-  before.isEmpty() ? qunsetenv("XDG_CONFIG_HOME") : qputenv("XDG_CONFIG_HOME", before);
 
   press("connect_add");
   auto* editor = find<ExperimentEditor>("experiment_editor");

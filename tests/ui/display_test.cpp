@@ -154,8 +154,7 @@ TEST_F(Display, ARobotWhoseStopNobodyAcknowledgedMayBeDriving) {
 
 TEST_F(Display, RobotsThatAnEarlierRunLeftBehindAreStoppedFromTheWindow) {
   start_emulator();
-  const QByteArray before = qgetenv("XDG_STATE_HOME");
-  qputenv("XDG_STATE_HOME", dir.filePath(QStringLiteral("state")).toUtf8());
+  const EnvironmentVariable state_home("XDG_STATE_HOME", dir.filePath(QStringLiteral("state")).toUtf8());
   ASSERT_TRUE(QDir(dir.path()).mkpath(QStringLiteral("state/skein")));
   std::ofstream(dir.filePath(QStringLiteral("state/skein/run-999999")).toStdString())
       << "skein run lab\nserial:" << device().toStdString() << "\n";
@@ -166,7 +165,6 @@ TEST_F(Display, RobotsThatAnEarlierRunLeftBehindAreStoppedFromTheWindow) {
   QTest::mouseClick(find<QPushButton>("stop_left_behind"), Qt::LeftButton);
   EXPECT_TRUE(eventually([&] { return !bar->isVisible(); })) << find<QLabel>("left_behind_text")->text().toStdString();
   EXPECT_FALSE(QFile::exists(dir.filePath(QStringLiteral("state/skein/run-999999"))));
-  before.isNull() ? qunsetenv("XDG_STATE_HOME") : qputenv("XDG_STATE_HOME", before);
   end_emulator();
 }
 

@@ -20,10 +20,7 @@ namespace {
 
 class Keep : public Operator {
  protected:
-  void SetUp() override {
-    qputenv("XDG_DATA_HOME", directory_.path().toUtf8());
-    find<QAction>("keep_runs")->setChecked(true);
-  }
+  void SetUp() override { find<QAction>("keep_runs")->setChecked(true); }
   void TearDown() override {
     find<QAction>("keep_films")->setChecked(false);
     find<QAction>("keep_runs")->setChecked(false);  // the other tests' setting
@@ -48,6 +45,7 @@ class Keep : public Operator {
   }
 
   QTemporaryDir directory_;
+  EnvironmentVariable data_home_{"XDG_DATA_HOME", directory_.path().toUtf8()};
 };
 
 TEST_F(Keep, ARunThatEndsHasAFolderThatIsFoundAndVerified) {
@@ -179,7 +177,7 @@ TEST_F(Keep, IsSwitchedOffAndThatIsRemembered) {
 }
 
 TEST_F(Keep, ThatIsNotPossibleIsAnAlarmAndTheRunGoesOn) {
-  qputenv("XDG_DATA_HOME", "/proc/none");
+  const EnvironmentVariable data_home("XDG_DATA_HOME", "/proc/none");
   start(seconds("duration=60"));
   EXPECT_FALSE(live().keeps());
   EXPECT_TRUE(logged().contains(QStringLiteral("this run is not kept: /proc/none"))) << logged().toStdString();

@@ -306,8 +306,7 @@ TEST_F(Keyboard, TurnsARobotAndZoomsAndPansTheArena) {
 }
 
 TEST_F(Keyboard, StopsTheRobotsOfAnEarlierRun) {
-  const QByteArray before = qgetenv("XDG_STATE_HOME");
-  qputenv("XDG_STATE_HOME", dir.filePath(QStringLiteral("state")).toUtf8());
+  const EnvironmentVariable state_home("XDG_STATE_HOME", dir.filePath(QStringLiteral("state")).toUtf8());
   ASSERT_TRUE(QDir(dir.path()).mkpath(QStringLiteral("state/skein")));
   QFile marker(dir.filePath(QStringLiteral("state/skein/run-999999")));
   ASSERT_TRUE(marker.open(QIODevice::WriteOnly));
@@ -320,7 +319,6 @@ TEST_F(Keyboard, StopsTheRobotsOfAnEarlierRun) {
   EXPECT_TRUE(eventually([&] {
     return find<QLabel>("left_behind_text")->text().contains(QStringLiteral("Not all robots have acknowledged"));
   })) << "nobody has tried to stop them";
-  before.isNull() ? qunsetenv("XDG_STATE_HOME") : qputenv("XDG_STATE_HOME", before);
 }
 
 TEST_F(Keyboard, RecordsChoosesTheFormOfCouplingsFiltersEventsAndCopiesLatex) {

@@ -24,6 +24,21 @@ namespace skein::ui::test {
 // Far more than anything takes, on a loaded machine too; a wait ends as soon as it may.
 inline constexpr int deadline_ms = 60000;
 
+/// A variable of the environment has another value; the tests that come after see it as it was.
+class EnvironmentVariable {
+ public:
+  EnvironmentVariable(const char* name, const QByteArray& value) : name_(name), before_(qgetenv(name)) {
+    qputenv(name, value);
+  }
+  ~EnvironmentVariable() { before_.isNull() ? qunsetenv(name_) : qputenv(name_, before_); }
+  EnvironmentVariable(const EnvironmentVariable&) = delete;
+  EnvironmentVariable& operator=(const EnvironmentVariable&) = delete;
+
+ private:
+  const char* name_;
+  QByteArray before_;
+};
+
 inline bool eventually(const std::function<bool()>& holds) {
   return QTest::qWaitFor(holds, deadline_ms);
 }
