@@ -719,7 +719,8 @@ void MainWindow::show_state() {
 
   const bool may_be_ready = run.is_open() && run.latest() && run.is_before_start();
   const QString file = files_->reading() + replay_->reading();  // one of them at most
-  const QString reading = file.isEmpty() ? branch_->doing() : reading_text(file);
+  const QString preparing = reopening_.is_busy() ? tr("Preparing the changed experiment …") : branch_->doing();
+  const QString reading = file.isEmpty() ? preparing : reading_text(file);
   const bool nothing_else = !reading.isEmpty() && !run.is_open() && !run.is_busy() && !run.is_complete();
   const Notice banner = nothing_else ? Notice{reading} : may_be_ready ? checks_->banner() : run.banner();
   const bool unready = may_be_ready && phase == app::Phase::ready && !checks_->all_hold();
@@ -814,6 +815,9 @@ void MainWindow::go() {
   RunSource& run = runs_.shown();
   switch (run.state().go) {
     case RunState::Go::start:
+      // With which of the two, nobody could say.
+      if (reopening_.is_busy())
+        return messages_->say(tr("Not started: the changed experiment is still being prepared"), Severity::warning);
       return checks_->start(false);
     case RunState::Go::again:
       return new_run();
@@ -874,7 +878,7 @@ void MainWindow::take_reopened(std::chrono::milliseconds patience) {
   if (!changed) return;
   const LiveRun& live = runs_.live();
   if (!live.is_open() || live.phase() != app::Phase::ready || live.experiment().source != reopened_from_)
-    return messages_->say(tr("The change came too late: the run was started, or another is open"), Severity::notice);
+    return messages_->say(tr("The change came too late: the run is no longer ready to start"), Severity::notice);
   if (*changed) return open(**changed, false);
   messages_->problem(tr("This cannot run"), QString::fromStdString(changed->error().front().message()));
   show_run();  // what the panels show is what holds
