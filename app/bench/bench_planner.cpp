@@ -8,6 +8,7 @@
 
 #include "app/embedded/embedded.h"
 #include "app/experiment/experiment_file.h"
+#include "app/run/clocks.h"
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
 #include "app/session/session.h"
@@ -38,13 +39,6 @@ struct Ticks {
   double aside = 0.0;  // farthest of a robot from its place [m]
   bool repeated = true;
 };
-
-/// That this thread has used [s].
-double processor_time() {
-  timespec now{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 tl::expected<Ticks, std::string> time_ticks(const Experiment& experiment) {
   PlannerRows run;
@@ -78,9 +72,9 @@ tl::expected<Ticks, std::string> time_ticks(const Experiment& experiment) {
       for (const Event& event : row.events)
         if (is<events::Perturb>(event)) input.events.add(event);
       if (k == 0) input.commands = {&start, 1};
-      const double begin = processor_time();
+      const double begin = thread_seconds();
       const TickRecord& again = control.step(input);
-      ticks.seconds[k] = std::min(ticks.seconds[k], processor_time() - begin);
+      ticks.seconds[k] = std::min(ticks.seconds[k], thread_seconds() - begin);
       ticks.repeated = ticks.repeated && again.planning == row.planning;
       for (std::size_t i = 0; i < n; ++i)
         ticks.repeated = ticks.repeated && again.robots[i].reference == row.robots[i].reference;
@@ -92,12 +86,12 @@ tl::expected<Ticks, std::string> time_ticks(const Experiment& experiment) {
   core::LawPairs pairs(n);
   ticks.law = INFINITY;
   for (int repetition = 0; repetition < repetitions; ++repetition) {
-    const double begin = processor_time();
+    const double begin = thread_seconds();
     for (const TickRecord& row : run.rows) {
       for (std::size_t i = 0; i < n; ++i) errors[i] = row.robots[i].error, reference[i] = row.robots[i].reference.twist;
       core::coordination_law(gains, errors, reference, command, pairs);
     }
-    ticks.law = std::min(ticks.law, (processor_time() - begin) / static_cast<double>(run.rows.size()));
+    ticks.law = std::min(ticks.law, (thread_seconds() - begin) / static_cast<double>(run.rows.size()));
   }
   return ticks;
 }

@@ -13,6 +13,7 @@
 #include "app/calibration/calibration_file.h"
 #include "app/cli/command_calibrate.h"
 #include "app/cli/commands.h"
+#include "app/run/clocks.h"
 #include "app/run/exit_status.h"
 #include "app/run/histogram.h"
 #include "app/run/interrupted.h"
@@ -118,10 +119,6 @@ void print_counters(std::FILE* out, const vision::TrackTrackerSummary& summary) 
   fmt::print(out, "skipped: {}\n", summary.track.skipped.size());
 }
 
-double seconds_now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
 }  // namespace
 
 int track(const TrackRequest& request) {
@@ -177,7 +174,7 @@ int track(const TrackRequest& request) {
   tl::expected<vision::TrackTrackerSummary, std::string> summary;
   Latencies latencies;
   if (request.tracker) {
-    vision::TrackTrackerOptions with_tracker{.track = options, .tags = tags, .clock = seconds_now};
+    vision::TrackTrackerOptions with_tracker{.track = options, .tags = tags, .clock = monotonic_seconds};
     with_tracker.crops = request.crops;
     with_tracker.latency = [&](const vision::FrameLatency& frame) { latencies.add(frame); };
     with_tracker.tell = [&](const std::string& sentence) {

@@ -21,6 +21,7 @@
 #include <optional>
 #include <thread>
 
+#include "app/run/clocks.h"
 #include "app/run/resources.h"
 
 namespace skein::app {
@@ -33,10 +34,6 @@ constexpr int late_too_often = 25;        // in a row
 constexpr double watch_seconds = 2e-4;    // an answer that comes sooner costs no sleep and no waking up [s]
 constexpr std::size_t most_samples = 1'000'000;
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
-
-double seconds_now() noexcept {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 template <std::size_t N>
 std::string text_of(const char (&field)[N]) {
@@ -189,7 +186,7 @@ tl::expected<std::unique_ptr<OwnController>, std::string> OwnController::start(c
 
 tl::expected<void, std::string> OwnController::become_ready(const Experiment& experiment,
                                                             const std::function<bool()>& keep_on) {
-  const double until = seconds_now() + start_patience;
+  const double until = monotonic_seconds() + start_patience;
   char byte = 0;
   while (true) {
     pollfd ready{pipes_->answer[0], POLLIN, 0};
@@ -207,7 +204,7 @@ tl::expected<void, std::string> OwnController::become_ready(const Experiment& ex
                                                                                                  : how));
     }
     if (keep_on && !keep_on()) return tl::unexpected(std::string("the start was given up"));
-    if (seconds_now() > until)
+    if (monotonic_seconds() > until)
       return tl::unexpected(
           fmt::format("the controller was not ready within {:g} s: it must attach to the memory and write a byte to "
                       "file {} (docs/controllers.md)",
@@ -323,10 +320,10 @@ void OwnController::write_question(const core::ControllerInput& input) noexcept 
 
 /// Until the memory has this answer; false: not by then, or never.
 bool OwnController::wait_for(std::uint64_t answer, double seconds) noexcept {
-  const double began = seconds_now(), until = began + seconds;
+  const double began = monotonic_seconds(), until = began + seconds;
   std::array<char, 4096> bytes;  // a controller that floods the pipe is read as fast as it writes, until the deadline
   while (std::atomic_ref(memory_->at->answer).load(std::memory_order_acquire) != answer) {
-    const double now = seconds_now(), left = until - now;
+    const double now = monotonic_seconds(), left = until - now;
     if (left <= 0.0) return false;
     if (now < began + watch_) continue;
     pollfd ready{pipes_->answer[0], POLLIN, 0};
@@ -354,12 +351,12 @@ void OwnController::ask(const core::ControllerInput& input) noexcept {
     return;
   }
   skein_memory& memory = *memory_->at;
-  const double began = seconds_now();
+  const double began = monotonic_seconds();
   write_question(input);
   std::atomic_ref(memory.question).store(++question_, std::memory_order_release);
   (void)!::write(pipes_->question[1], "q", 1);  // full: there are enough bytes in it that wake it up
   const bool answered = wait_for(question_, report_.deadline);
-  const double waited = seconds_now() - began;
+  const double waited = monotonic_seconds() - began;
   report_.longest = std::max(report_.longest, waited);
   if (answered) {
     for (std::size_t i = 0; i < law_.size(); ++i) {

@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "app/guard/run_marker.h"
+#include "app/run/clocks.h"
 #include "app/run/output.h"
 
 namespace skein::app {
@@ -26,12 +27,6 @@ namespace fs = std::filesystem;
 constexpr double longest_wait = 5.0;  // for robots to stand [s]
 constexpr double answer_patience = 8.0;
 constexpr std::string_view stopping = "stopping\n", end_line = "end\n";
-
-double seconds() noexcept {
-  timespec now{};
-  ::clock_gettime(CLOCK_MONOTONIC, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 bool readable(int descriptor, double patience) noexcept {
   pollfd polled{descriptor, POLLIN, 0};
@@ -128,13 +123,13 @@ void StopSocket::turn(const std::function<void(std::string_view word)>& heard,
     }
     heard(said);
     send_text(caller, stopping);
-    callers_.push_back({caller, seconds() + longest_wait});
+    callers_.push_back({caller, monotonic_seconds() + longest_wait});
   }
   if (callers_.empty()) return;
   const std::vector<StopResult> robots = results();
   const bool all = std::all_of(robots.begin(), robots.end(), [](const StopResult& robot) { return robot.stopped; });
   std::erase_if(callers_, [&](const Caller& caller) {
-    if (!all && !last && seconds() < caller.until) return false;
+    if (!all && !last && monotonic_seconds() < caller.until) return false;
     std::string text;
     for (const StopResult& robot : robots)
       text += fmt::format("{}\t{}\n", robot.address, robot.stopped ? "stopped" : robot.reason);
@@ -158,13 +153,13 @@ StopAnswer ask_run(const std::string& path, std::string_view word, double patien
   if (!answer.reached || !same_user(descriptor, &answer.process)) return answer;
   send_text(descriptor, word);
   std::string text;
-  for (double until = seconds() + patience; readable(descriptor, until - seconds());) {
+  for (double until = monotonic_seconds() + patience; readable(descriptor, until - monotonic_seconds());) {
     std::array<char, 4096> bytes;
     const ssize_t size = ::read(descriptor, bytes.data(), bytes.size());
     answer.ended = size <= 0;
     if (answer.ended) break;
     text.append(bytes.data(), static_cast<std::size_t>(size));
-    if (!std::exchange(answer.heard, true)) until = seconds() + answer_patience;
+    if (!std::exchange(answer.heard, true)) until = monotonic_seconds() + answer_patience;
     if (text.ends_with(end_line)) {
       answer.robots = parse_results(text);
       break;

@@ -1,4 +1,5 @@
 #include "app/tools/study_plan.h"
+#include "app/run/clocks.h"
 
 #include <fmt/format.h>
 
@@ -16,13 +17,6 @@
 namespace skein::app {
 namespace {
 
-/// Processor time of the calling thread [s].
-double thread_time() {
-  timespec now{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
 /// What each run with all its drives takes of its thread [s]; those that were not begun are left out.
 std::vector<double> times_of(const std::vector<Study>& variants, bool control, std::int64_t sample, unsigned threads,
                              const std::function<bool()>& keep_going) {
@@ -30,11 +24,11 @@ std::vector<double> times_of(const std::vector<Study>& variants, bool control, s
   std::atomic<std::int64_t> next{0};
   const auto work = [&] {
     for (std::int64_t k = 0; (k = next.fetch_add(1)) < sample && keep_going();) {
-      const double began = thread_time();
+      const double began = thread_seconds();
       const std::uint64_t seed = variants.front().seed + static_cast<std::uint64_t>(k);
       for (const Study& variant : variants) (void)run_one(variant, seed);
       if (control) (void)run_one(variants.front(), seed, true);
-      times[static_cast<std::size_t>(k)] = thread_time() - began;
+      times[static_cast<std::size_t>(k)] = thread_seconds() - began;
     }
   };
   {

@@ -15,9 +15,9 @@
 
 #include "comms/emulator/tcp_epuck.h"
 #include "comms/link_supervisor.h"
-#include "tests/comms/seconds.h"
 #include "tests/comms/wait_until.h"
 #include "tests/property.h"
+#include "tests/seconds.h"
 
 namespace skein::comms {
 namespace {

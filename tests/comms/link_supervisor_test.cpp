@@ -11,9 +11,9 @@
 
 #include "comms/emulator/pty_emulator.h"
 #include "comms/transport.h"
-#include "tests/comms/seconds.h"
 #include "tests/comms/wait_until.h"
 #include "tests/property.h"
+#include "tests/seconds.h"
 
 namespace skein::comms {
 namespace {

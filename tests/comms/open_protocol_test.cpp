@@ -23,9 +23,9 @@
 #include "resources/robots/open_robot/open_robot.h"
 #include "tests/comms/bytes.h"
 #include "tests/comms/radio_faults.h"
-#include "tests/comms/seconds.h"
 #include "tests/comms/wait_until.h"
 #include "tests/fuzz/open_targets.h"
+#include "tests/seconds.h"
 
 namespace skein::comms {
 namespace {

@@ -6,9 +6,9 @@
 #include "comms/link_supervisor.h"
 #include "comms/wifi_session.h"
 #include "tests/comms/bytes.h"
-#include "tests/comms/seconds.h"
 #include "tests/comms/wait_until.h"
 #include "tests/property.h"
+#include "tests/seconds.h"
 
 namespace skein::comms {
 namespace {

@@ -16,6 +16,7 @@
 
 #include "app/calibration/calibration_file.h"
 #include "operator.h"
+#include "tests/files.h"
 #include "tests/places.h"
 #include "ui/base/picture.h"
 #include "ui/calibration/floor_page.h"
@@ -187,10 +188,7 @@ class TagsOfAnotherSize : public Checks {
     write(text);
   }
   void write(const std::string& content) { std::ofstream(file.toStdString(), std::ios::trunc) << content; }
-  std::string written() {
-    std::ifstream in(file.toStdString());
-    return {std::istreambuf_iterator<char>(in), {}};
-  }
+  std::string written() { return skein::test::read_file(file.toStdString()); }
   /// Until the list says why, and offers what mends it.
   void open_file_and_wait() {
     window.resize(1280, 800);

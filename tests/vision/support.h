@@ -58,12 +58,6 @@ inline void write_file(const std::string& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary) << bytes;
 }
 
-inline std::string read_file(const std::string& path) {
-  std::ostringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return text.str();
-}
-
 /// The simplest picture format there is.
 inline void write_pgm(const std::string& path, const Frame& frame) {
   std::ofstream out(path, std::ios::binary);

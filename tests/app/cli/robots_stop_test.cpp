@@ -9,13 +9,12 @@
 #include "comms/emulator/pty_emulator.h"
 #include "comms/transport.h"
 #include "tests/places.h"
+#include "tests/seconds.h"
 
 namespace skein::app {
 namespace {
 
-double seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+using test::seconds;
 
 TEST(RobotsStop, StopsWhateverStateTheyWereLeftIn) {
   comms::PtyEmulator robots({core::MotorModel::epuck1, core::MotorModel::epuck2}, nullptr, seconds);

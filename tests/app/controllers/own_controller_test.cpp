@@ -26,6 +26,7 @@
 #include "app/tick/control_tick.h"
 #include "app/tools/controller_check.h"
 #include "core/words.h"
+#include "tests/files.h"
 #include "tests/places.h"
 #include "tests/processes.h"
 
@@ -126,8 +127,7 @@ TEST(OwnController, LayoutIsTheDocumentedOne) {
   EXPECT_EQ(offsetof(skein_memory, command), 30976u);
   EXPECT_EQ(offsetof(skein_memory, log), 32000u);
   EXPECT_EQ(sizeof(skein_robot), 240u);
-  std::ifstream page(test::in_source("docs/controllers.md"));
-  const std::string text{std::istreambuf_iterator<char>(page), {}};
+  const std::string text = test::read_file(test::in_source("docs/controllers.md"));
   for (const char* const row : {"| 48 | `question`", "| 80 | `answer`", "| 256 | `robot[64]`",
                                 "| 15616 | `obstacle[128]`", "| 18688 | `parameter[64]`", "| 30464 | `log_name[16]`",
                                 "| 30976 | `command[64]`", "| 32000 | `log[64][16]`", "40192 bytes"})

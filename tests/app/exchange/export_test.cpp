@@ -11,6 +11,7 @@
 
 #include "app/record/csv_reader.h"
 #include "tests/app/exchange/recorded.h"
+#include "tests/files.h"
 
 namespace skein::app {
 namespace {
@@ -18,12 +19,7 @@ namespace {
 using test::Folder;
 using test::Recorded;
 
-std::string read_file(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
+using test::read_file;
 
 tl::expected<Exported, std::string> export_text(const std::string& csv, const std::string& to, ExportFormat format) {
   std::istringstream in(csv);

@@ -9,6 +9,7 @@
 
 #include "app/exchange/export.h"
 #include "tests/app/exchange/recorded.h"
+#include "tests/files.h"
 #include "tests/places.h"
 
 namespace skein::app {
@@ -26,10 +27,7 @@ struct Said {
 Said shell(const Folder& folder, const std::string& command) {
   const std::string out = folder / "out";
   const int status = std::system(("cd '" + folder.path + "' && (" + command + ") > '" + out + "' 2>&1").c_str());
-  std::ifstream file(out);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return {status, text.str()};
+  return {status, test::read_file(out)};
 }
 
 void export_as(const Recorded& run, const std::string& to, ExportOptions options) {

@@ -17,6 +17,7 @@
 #include "app/experiment/certificate.h"
 #include "app/record/csv_writer.h"
 #include "tests/app/experiment_texts.h"
+#include "tests/files.h"
 #include "tests/places.h"
 #include "tests/property.h"
 
@@ -226,11 +227,6 @@ TEST(ExperimentFile, AFileThatCannotBeReadIsAProblem) {
             experiments + ": cannot be read: it is a folder, allowed: a file");
 }
 
-std::string file_text(const std::string& path) {
-  std::ifstream in(path);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 /// The keys that a table has, out of what is said of one that it has not.
 std::vector<std::string> known_keys(const std::string& table) {
   const std::string said = messages(table + "\nno_such_key = 1").back(), list = "allowed";
@@ -241,7 +237,7 @@ std::vector<std::string> known_keys(const std::string& table) {
 }
 
 TEST(Documentation, NamesEveryKey) {
-  const std::string text = file_text(test::in_source("docs/experiment-file.md"));
+  const std::string text = test::read_file(test::in_source("docs/experiment-file.md"));
   std::size_t keys = 0;
   for (const char* table :
        {"",
@@ -277,7 +273,7 @@ TEST(Documentation, NamesEveryKey) {
 }
 
 TEST(Documentation, NamesEveryColumn) {
-  const std::string text = file_text(test::in_source("docs/csv.md"));
+  const std::string text = test::read_file(test::in_source("docs/csv.md"));
   std::ostringstream csv;
   CsvWriter writer(csv, paper_experiment());
   std::istringstream columns(csv.str().substr(csv.str().rfind("\nt,") + 1));
@@ -291,7 +287,7 @@ TEST(Documentation, NamesEveryColumn) {
 
 // Whatever becomes of a file in an editor, on a bad disk or in a merge: an experiment or problems, never a crash.
 TEST(ExperimentFile, SurvivesMutations) {
-  const std::string original = file_text(experiments + "platoon.toml");
+  const std::string original = test::read_file(experiments + "platoon.toml");
   ASSERT_FALSE(original.empty());
   const std::vector<std::string> pieces{"[",     "]",          "[[robot]]", "=", "\"",     "-1",   "nan",
                                         "1e999", "[[",         "{",         "}", "robot",  "'''",  "\n",

@@ -14,19 +14,15 @@
 
 #include "app/experiment/experiment_file.h"
 #include "app/experiment/experiment_schema.h"
+#include "tests/files.h"
 #include "tests/places.h"
 
 namespace skein::app {
 namespace {
 
-std::string text_of(const std::string& path) {
-  std::ifstream in(path);
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
-
 /// The rows of the tables of docs/experiment-file.md: "controller.v_max" -> "default | allowed | meaning".
 std::map<std::string, std::string> documented() {
-  std::istringstream text(text_of(test::in_source("docs/experiment-file.md")));
+  std::istringstream text(test::read_file(test::in_source("docs/experiment-file.md")));
   std::map<std::string, std::string> rows;
   std::string table;
   const std::regex heading("#+ \\[+([a-z_.]+)\\]+.*"), top("## The run.*"), name("`([A-Za-z_]+)`");
@@ -111,7 +107,7 @@ TEST(ExperimentKeys, AreReadWithTheirOwnDefaultAndRefusedOutsideTheirRange) {
 }
 
 TEST(ExperimentSchema, IsTheOneThatComesWithSkein) {
-  EXPECT_EQ(text_of(test::in_source("resources/experiment.schema.json")), experiment_schema())
+  EXPECT_EQ(test::read_file(test::in_source("resources/experiment.schema.json")), experiment_schema())
       << "write it again: skein check --schema > resources/experiment.schema.json";
 }
 

@@ -17,6 +17,7 @@
 
 #include "app/experiment/toml_edit.h"
 #include "tests/app/experiment_texts.h"
+#include "tests/files.h"
 
 namespace skein::app {
 namespace {
@@ -154,8 +155,7 @@ TEST_F(KnownRobots, ProgramsThatSaveAtTheSameTimeDoNotMixWhatTheyWrite) {
       for (std::size_t k = 0; k < saves; ++k) EXPECT_TRUE(save(file, text(writer)));
     });
   threads.clear();
-  std::ifstream in(file);
-  const std::string saved{std::istreambuf_iterator<char>(in), {}};
+  const std::string saved = test::read_file(file);
   bool whole = false;
   for (std::size_t writer = 0; writer < writers; ++writer) whole = whole || saved == text(writer);
   EXPECT_TRUE(whole) << saved.size();

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "tests/app/exchange/recorded.h"
+#include "tests/files.h"
 
 namespace skein::app {
 namespace {
@@ -23,12 +24,7 @@ Page page_of(const std::string& csv, const PageOrigin& origin = {}) {
   return page ? *page : Page{};
 }
 
-std::string read_file(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
+using test::read_file;
 
 TEST(ReportPage, NeedsNothingFromOutside) {
   const Page page = page_of(Recorded().csv);

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "app/calibration/calibration_file.h"
+#include "tests/files.h"
 #include "tests/places.h"
 #include "tests/vision/aravis/fake_gige.h"
 #include "vision/calibration/calibration.h"
@@ -30,12 +31,6 @@ using namespace skein;
 namespace fs = std::filesystem;
 
 constexpr const char* camera = "aravis:127.0.0.1";
-
-std::string text_of(const fs::path& path) {
-  std::ostringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return text.str();
-}
 
 /// Whether this machine holds a frame of 1280x960 until it is read: the camera in software sends it at once, where a
 /// network would take 10 ms. Root reads it from the network itself.
@@ -83,13 +78,13 @@ class AravisRun : public testing::Test {
   /// Waits until the file has so many lines; with sanitizers AprilTag takes a second for each picture.
   bool grows(const std::string& name, long lines) const {
     for (int i = 0; i < 3000; ++i) {
-      const std::string text = text_of(folder_ / name);
+      const std::string text = skein::test::read_file(folder_ / name);
       if (std::count(text.begin(), text.end(), '\n') >= lines) return true;
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
     }
     return false;
   }
-  std::string said() const { return text_of(folder_ / "out") + text_of(folder_ / "err"); }
+  std::string said() const { return skein::test::read_file(folder_ / "out") + skein::test::read_file(folder_ / "err"); }
 
  private:
   fs::path folder_;
@@ -130,7 +125,7 @@ TEST_F(AravisRun, TagsOfANetworkCameraAreTracked) {
   ASSERT_TRUE(grows("tags.csv", 100)) << said();
   EXPECT_EQ(end(SIGINT), 0) << said();
   std::map<int, int> seen;
-  for (auto row : rows_of(text_of(file("tags.csv")))) {
+  for (auto row : rows_of(skein::test::read_file(file("tags.csv")))) {
     if (row["theta"].empty()) continue;  // torn by the signal, or cut by the border
     const int tag = std::stoi(row["tag"]);
     for (const vision::SyntheticTag& there : test::fake_gige_tags())
@@ -163,7 +158,7 @@ TEST_F(AravisRun, ACameraThatIsLostEndsTheRunAndTheOperatorIsToldWhy) {
   EXPECT_THAT(said(), testing::ContainsRegex(
                           R"(aravis:127\.0\.0\.1: no frame for 0\.[0-9]+ s \(unplugged, or the network is full\?\))"));
   // From the bridge time on after the last pose everybody stands, long before the camera is given up.
-  const auto rows = rows_of(text_of(file("run.csv")));
+  const auto rows = rows_of(skein::test::read_file(file("run.csv")));
   ASSERT_GT(rows.size(), 250U);
   for (std::size_t i = rows.size() - 200; i < rows.size(); ++i)
     for (const char* robot : {"r1", "r2", "r3", "r4"}) {

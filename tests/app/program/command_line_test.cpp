@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "tests/eventually.h"
+#include "tests/files.h"
 #include "tests/places.h"
 
 extern char** environ;
@@ -26,12 +27,7 @@ namespace {
 
 const std::string experiments = skein::test::in_source("resources/experiments/");
 
-std::string read_file(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
+using test::read_file;
 
 /// A folder of this test alone, gone afterwards.
 class Folder {

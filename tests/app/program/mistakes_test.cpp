@@ -9,6 +9,7 @@
 #include <sstream>
 #include <string>
 
+#include "tests/files.h"
 #include "tests/places.h"
 
 namespace {
@@ -28,11 +29,7 @@ class Mistakes : public ::testing::Test {
   }
   ~Mistakes() override { std::filesystem::remove_all(folder_); }
 
-  std::string read(const std::string& name) const {
-    std::ostringstream text;
-    text << std::ifstream(folder_ / name, std::ios::binary).rdbuf();
-    return text.str();
-  }
+  std::string read(const std::string& name) const { return skein::test::read_file(folder_ / name); }
   void write(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
   bool exists(const std::string& name) const { return std::filesystem::exists(folder_ / name); }
   void study(const std::string& more) const {

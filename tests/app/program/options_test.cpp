@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/files.h"
 #include "tests/places.h"
 
 namespace {
@@ -99,9 +100,8 @@ TEST_F(Options, StandInTheManual) {
   for (const Command& command : commands()) {
     std::string name = command.name.empty() ? "skein" : "skein " + command.name;
     std::replace(name.begin(), name.end(), ' ', '-');
-    std::ostringstream text;
-    text << std::ifstream(folder / (name + ".1")).rdbuf();
-    const std::string page = std::regex_replace(text.str(), std::regex("\\\\-"), "-");
+    const std::string page =
+        std::regex_replace(skein::test::read_file(folder / (name + ".1")), std::regex("\\\\-"), "-");
     EXPECT_EQ(options_in(page, "^\\\\fB(?:-\\w,)?(--[a-z-]+)"), command.options) << command.name;
     ++pages;
   }

@@ -33,6 +33,7 @@
 #include "tests/eventually.h"
 #include "tests/places.h"
 #include "tests/processes.h"
+#include "tests/seconds.h"
 
 extern char** environ;
 
@@ -42,11 +43,8 @@ namespace {
 namespace fs = std::filesystem;
 using core::WheelSpeeds;
 
-double seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
 using test::eventually;
+using test::seconds;
 
 class DyingProgram : public testing::Test {
  protected:

@@ -12,6 +12,7 @@
 #include <sstream>
 #include <string>
 
+#include "tests/files.h"
 #include "tests/places.h"
 
 namespace {
@@ -31,11 +32,7 @@ class Parts : public ::testing::Test {
   }
   ~Parts() override { std::filesystem::remove_all(folder_); }
 
-  std::string read(const std::string& name) const {
-    std::ostringstream text;
-    text << std::ifstream(folder_ / name, std::ios::binary).rdbuf();
-    return text.str();
-  }
+  std::string read(const std::string& name) const { return skein::test::read_file(folder_ / name); }
   /// Lines of a shell in the test's folder, `$skein` being the sweep of the study; their exit status.
   int shell(const std::string& lines) const {
     const std::string all =
@@ -56,11 +53,9 @@ TEST_F(Parts, MergedAreTheStudyOfOneMachineBitForBit) {
   EXPECT_EQ(shell("$skein --merge parts --csv merged.csv --json > merged.json"), 0);
   EXPECT_EQ(read("whole.csv"), read("merged.csv"));
   EXPECT_EQ(read("whole.json"), read("merged.json"));
-  std::ostringstream document;
-  document << std::ifstream(skein::test::in_source("docs/studies.md")).rdbuf();
+  const std::string document = skein::test::read_file(skein::test::in_source("docs/studies.md"));
   std::istringstream header(read("merged.csv").substr(0, read("merged.csv").find('\n')));
-  for (std::string column; std::getline(header, column, ',');)
-    EXPECT_THAT(document.str(), HasSubstr("`" + column + "`"));
+  for (std::string column; std::getline(header, column, ',');) EXPECT_THAT(document, HasSubstr("`" + column + "`"));
   EXPECT_THAT(read("merged.json"), HasSubstr("\"runs\": 13"));
   EXPECT_THAT(read("merged.csv"), HasSubstr("\ncontrol,13,"));
   EXPECT_THAT(read("merged.csv"), HasSubstr("\n\"stiff, coupled\",13,"));

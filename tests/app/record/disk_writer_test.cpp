@@ -14,6 +14,7 @@
 #include <iterator>
 
 #include "tests/eventually.h"
+#include "tests/files.h"
 
 namespace {
 std::atomic<off_t> synced_size{-1};  // of the file that was given to the disk last [bytes]
@@ -40,10 +41,7 @@ class DiskWriting : public testing::Test {
   }
   void TearDown() override { fs::remove_all(folder_); }
   std::string operator/(const char* name) const { return (folder_ / name).string(); }
-  static std::string text(const std::string& path) {
-    std::ifstream in(path);
-    return {std::istreambuf_iterator<char>(in), {}};
-  }
+  static std::string text(const std::string& path) { return test::read_file(path); }
   fs::path folder_;
 };
 

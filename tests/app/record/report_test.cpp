@@ -11,16 +11,12 @@
 #include "app/experiment/experiment_file.h"
 #include "app/record/csv_writer.h"
 #include "tests/app/fixture.h"
+#include "tests/files.h"
 
 namespace skein::app {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string text_of(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 std::size_t count(const std::string& text, const std::string& what) {
   std::size_t n = 0;
@@ -52,14 +48,14 @@ class Report : public testing::Test {
   }
   void expect_figures() {
     for (const char* figure : {"figure3", "figure4"}) {
-      EXPECT_TRUE(text_of(directory / (std::string(figure) + ".pdf")).starts_with("%PDF-")) << figure;
-      EXPECT_TRUE(text_of(directory / (std::string(figure) + ".png")).starts_with("\x89PNG")) << figure;
-      const std::string svg = text_of(directory / (std::string(figure) + ".svg"));
+      EXPECT_TRUE(test::read_file(directory / (std::string(figure) + ".pdf")).starts_with("%PDF-")) << figure;
+      EXPECT_TRUE(test::read_file(directory / (std::string(figure) + ".png")).starts_with("\x89PNG")) << figure;
+      const std::string svg = test::read_file(directory / (std::string(figure) + ".svg"));
       EXPECT_TRUE(svg.find("<svg") != std::string::npos && svg.find("</svg>") != std::string::npos) << figure;
     }
   }
   std::size_t curves(const char* figure) {
-    return count(text_of(directory / (std::string(figure) + ".svg")), "<g id=\"gnuplot_plot_");
+    return count(test::read_file(directory / (std::string(figure) + ".svg")), "<g id=\"gnuplot_plot_");
   }
 
   fs::path directory;
@@ -75,9 +71,9 @@ TEST_F(Report, DrawsThePaper) {
   expect_figures();
   EXPECT_EQ(curves("figure3"), 4u * 5u) << "reference, path, moves, both ends of each robot";
   EXPECT_EQ(curves("figure4"), 3u * 4u + 3u) << "three errors of each robot, three pairs";
-  const std::string summary = text_of(directory / "summary.json");
+  const std::string summary = test::read_file(directory / "summary.json");
   EXPECT_NE(summary.find("\"formation_first\": true"), std::string::npos);
-  const std::string script = text_of(directory / "figure4.gp");
+  const std::string script = test::read_file(directory / "figure4.gp");
   EXPECT_NE(script.find("n = 4 "), std::string::npos);
   EXPECT_NE(script.find("perturbed = \"18 46 65\""), std::string::npos);
   EXPECT_NE(script.find("settled = \"22.24 51.68 70.48\""), std::string::npos);
@@ -143,7 +139,8 @@ TEST_F(Report, LeavesOutTheWayToTheStarts) {
   const Experiment e = experiment("duration = 2\nname = \"x\"");
   std::vector<TickRecord> rows = test::simulate(e);
   ASSERT_TRUE(draw(e, rows));
-  const std::string path = text_of(directory / "figure3.svg"), errors = text_of(directory / "figure4.svg");
+  const std::string path = test::read_file(directory / "figure3.svg"),
+                    errors = test::read_file(directory / "figure4.svg");
   TickRecord on_the_way = rows.front();
   on_the_way.phase = Phase::staging;
   on_the_way.events.clear();
@@ -153,8 +150,8 @@ TEST_F(Report, LeavesOutTheWayToTheStarts) {
   }
   rows.insert(rows.begin(), 3, on_the_way);
   ASSERT_TRUE(draw(e, rows));
-  EXPECT_EQ(text_of(directory / "figure3.svg"), path);
-  EXPECT_EQ(text_of(directory / "figure4.svg"), errors);
+  EXPECT_EQ(test::read_file(directory / "figure3.svg"), path);
+  EXPECT_EQ(test::read_file(directory / "figure4.svg"), errors);
 }
 
 }  // namespace

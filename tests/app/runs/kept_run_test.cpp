@@ -17,6 +17,7 @@
 #include "app/runs/verify.h"
 #include "app/session/session.h"
 #include "tests/app/folder.h"
+#include "tests/files.h"
 #include "tests/places.h"
 
 namespace skein::app {
@@ -24,12 +25,7 @@ namespace {
 
 using test::Folder;
 
-std::string read_file(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
+using test::read_file;
 
 /// A run of a file in `place`, kept below `runs`.
 std::string keep(const Folder& place, const std::string& runs, const std::string& text,

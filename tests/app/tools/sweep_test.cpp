@@ -18,6 +18,7 @@
 #include "app/run/tick_record.h"
 #include "app/session/session.h"
 #include "app/tools/sweep_report.h"
+#include "tests/files.h"
 #include "tests/places.h"
 
 namespace skein::app {
@@ -479,15 +480,11 @@ TEST(SweepReport, DrawsWhatTheStudyCounted) {
   for (const char* figure : {"times", "distances", "shares", "worst"})
     for (const char* kind : {".pdf", ".svg", ".png"})
       EXPECT_GT(std::filesystem::file_size(folder / (std::string(figure) + kind)), 3000U) << figure << kind;
-  std::ifstream table(folder / "intervals.csv");
-  const std::string text{std::istreambuf_iterator<char>(table), {}};
+  const std::string text = test::read_file(folder / "intervals.csv");
   for (const char* variant : {"control", "algebraic", "alone"})
     EXPECT_THAT(text, AllOf(HasSubstr(fmt::format("\nrecovered,{},3,", variant)),
                             HasSubstr(fmt::format("final_error_median,{} minus {},3,", study.name, variant))));
-  const auto figure = [&](const char* name) {
-    std::ifstream file(folder / name);
-    return std::string{std::istreambuf_iterator<char>(file), {}};
-  };
+  const auto figure = [&](const char* name) { return test::read_file(folder / name); };
   for (const char* drawn : {"times.svg", "shares.svg"})
     EXPECT_THAT(figure(drawn),
                 AllOf(HasSubstr("control (3 runs)"), HasSubstr("algebraic (3 runs)"), HasSubstr("alone (3 runs)")))

@@ -13,6 +13,7 @@
 #include "app/experiment/certificate.h"
 #include "app/experiment/experiment_file.h"
 #include "app/record/report.h"
+#include "tests/files.h"
 #include "tests/places.h"
 
 namespace skein::app {
@@ -188,9 +189,7 @@ TEST(Tune, DrawsTheFront) {
   EXPECT_TRUE(done) << done.error();
   for (const char* kind : {".pdf", ".svg", ".png"})
     EXPECT_GT(std::filesystem::file_size(folder / (std::string("front") + kind)), 3000U) << kind;
-  std::stringstream csv;
-  csv << std::ifstream(folder / "front.csv").rdbuf();
-  EXPECT_EQ(csv.str(), as_csv(study, *tuned));
+  EXPECT_EQ(test::read_file(folder / "front.csv"), as_csv(study, *tuned));
   EXPECT_TRUE(load_experiment((folder / "point-1.toml").string()));
   std::filesystem::remove_all(folder);
 }

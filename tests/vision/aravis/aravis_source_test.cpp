@@ -11,6 +11,7 @@
 #include <thread>
 #include <vector>
 
+#include "tests/seconds.h"
 #include "tests/vision/aravis/fake_gige.h"
 #include "tests/vision/support.h"
 #include "vision/frames/receive_buffer.h"
@@ -22,10 +23,6 @@ namespace skein::vision {
 namespace {
 
 constexpr const char* address = "aravis:127.0.0.1";
-
-double monotonic_now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 /// When the fake camera opened its shutter.
 double exposed_at(const Frame& frame) {
@@ -254,7 +251,7 @@ TEST(Aravis, ALostCameraIsAnErrorAfterItsTime) {
   for (int i = 0; i < 5; ++i) ASSERT_TRUE((*camera)->read(frame).value());
   fake.kill();
   const test::PortLock nobody_comes_back;
-  const double killed = monotonic_now();
+  const double killed = test::seconds();
   auto read = (*camera)->read(frame);
   while (read && *read) read = (*camera)->read(frame);  // what was on its way
   ASSERT_FALSE(read);
@@ -265,7 +262,7 @@ TEST(Aravis, ALostCameraIsAnErrorAfterItsTime) {
   EXPECT_FALSE(status.up);
   EXPECT_EQ(status.outages, 1);
   EXPECT_EQ(status.reason, read.error());
-  EXPECT_LT(monotonic_now() - killed, 7.0);
+  EXPECT_LT(test::seconds() - killed, 7.0);
 }
 
 TEST(Aravis, ACameraThatComesBackIsOpenedAgainWithItsSettings) {
@@ -306,14 +303,14 @@ TEST(Aravis, NobodyWaitsForACameraThatWasLost) {
   ASSERT_TRUE((*camera)->read(frame).value());
   fake.kill();
   waits = false;
-  const double asked = monotonic_now();
+  const double asked = test::seconds();
   auto read = (*camera)->read(frame);
   while (read && *read) read = (*camera)->read(frame);
   ASSERT_TRUE(read) << read.error();
-  EXPECT_LT(monotonic_now() - asked, 0.5);
+  EXPECT_LT(test::seconds() - asked, 0.5);
   std::this_thread::sleep_for(std::chrono::milliseconds(500));
   camera->reset();
-  EXPECT_LT(monotonic_now() - asked, 2.0) << "nobody waits for its goodbye either";
+  EXPECT_LT(test::seconds() - asked, 2.0) << "nobody waits for its goodbye either";
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // Films that Skein records: read back, everything is the same to the bit; and nothing ever holds the frames up.
 #include "vision/recording/recorder.h"
+#include "tests/files.h"
 
 #include <bit>
 #include <condition_variable>

@@ -1,5 +1,6 @@
 // What is printed is what is found again: sheets as pictures, through the detectors, at the right size.
 #include "vision/sheets/sheet.h"
+#include "tests/files.h"
 
 #include <algorithm>
 #include <cmath>

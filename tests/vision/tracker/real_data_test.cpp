@@ -5,6 +5,7 @@
 #include <set>
 #include <sstream>
 
+#include "tests/files.h"
 #include "tests/vision/support.h"
 #include "vision/detector/detector.h"
 #include "vision/fit/photometric_fit.h"
