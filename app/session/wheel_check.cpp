@@ -92,8 +92,8 @@ bool OneWheelTurn::too_far(double speed) const noexcept {
   return std::max(std::abs(left), std::abs(right)) > far * most_steps(*this, speed);
 }
 
-std::string wheel_fault(const char* wheel, double its_own, double other, double expected, double most,
-                        const char* still, const char* unit) {
+std::string wheel_fault(const char* wheel, const WheelMotion& motion, const char* still) {
+  const auto& [its_own, other, expected, most, unit] = motion;
   const double few = expected / 4;  // a loaded machine does not turn for long
   if (std::abs(its_own) < few && std::abs(other) < few)
     return fmt::format("the {} wheel{}: {:.3g} {}", wheel, still, its_own, unit);
@@ -113,7 +113,7 @@ std::vector<std::string> encoder_faults(const OneWheelTurn& left, const OneWheel
   for (const auto& [wheel, its_own, other, most] :
        {std::tuple("left", left.left, left.right, most_steps(left, speed)),
         std::tuple("right", right.right, right.left, most_steps(right, speed))})
-    if (std::string fault = wheel_fault(wheel, its_own, other, expected, most, "'s encoder is silent", "steps");
+    if (std::string fault = wheel_fault(wheel, {its_own, other, expected, most, "steps"}, "'s encoder is silent");
         !fault.empty())
       faults.push_back(std::move(fault));
   return faults;

@@ -30,11 +30,16 @@ struct OneWheelTurn {
   bool too_far(double speed) const noexcept;
 };
 
-/// The fault of a wheel that was commanded alone, from the motion of both; empty: none. `most`: the largest count
-/// possible in the time that it was commanded: `expected`, or more if the machine is late. `still` is the text for a
-/// wheel without motion: "'s encoder is silent".
-std::string wheel_fault(const char* wheel, double its_own, double other, double expected, double most,
-                        const char* still, const char* unit);
+/// How far both wheels turned, forward, while one of them was commanded alone; all in one unit.
+struct WheelMotion {
+  double its_own, other;
+  double expected;  ///< of the commanded wheel
+  double most;      ///< the farthest possible in that time: `expected`, or more if the machine is late
+  const char* unit;
+};
+/// The fault of the wheel that was commanded, "left" or "right"; empty: none. `still` is the text for a wheel without
+/// motion: "'s encoder is silent".
+std::string wheel_fault(const char* wheel, const WheelMotion& motion, const char* still);
 /// The same for both wheels from their encoders, which were commanded this speed [steps/s].
 std::vector<std::string> encoder_faults(const OneWheelTurn& left, const OneWheelTurn& right, double speed);
 /// How often the robot reported speeds other than those sent, as a fault; empty: never.

@@ -157,10 +157,11 @@ void RobotTest::judge_camera(std::size_t robot, const Manoeuvre& left, const Man
     const double arc = 0.5 * moved->turned() * drive.track, way = moved->forward();
     const double rolled_left = 1e3 * (way - arc), rolled_right = 1e3 * (way + arc);
     const char* const wheel = is_left ? "left" : "right";
-    const std::string wrong = wheel_fault(
-        wheel, is_left ? rolled_left : rolled_right, is_left ? rolled_right : rolled_left,
-        way_a_second * one_wheel_time, way_a_second * std::max(one_wheel_time, (is_left ? left : right).wheels.seconds),
-        " does not turn", "mm");
+    const double most = way_a_second * std::max(one_wheel_time, (is_left ? left : right).wheels.seconds);
+    const std::string wrong = wheel_fault(wheel,
+                                          {is_left ? rolled_left : rolled_right, is_left ? rolled_right : rolled_left,
+                                           way_a_second * one_wheel_time, most, "mm"},
+                                          " does not turn");
     const bool said = std::any_of(result.faults.begin(), result.faults.end(), [&](const std::string& fault) {
       return fault.find(wheel + std::string(" wheel")) != std::string::npos;
     });

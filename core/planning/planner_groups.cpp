@@ -28,16 +28,16 @@ void Planner::expect(std::size_t j, const Scene& scene, std::span<const Referenc
   if (std::isnan(pose.x)) return traffic_.remove(j);
   if (stands(j, scene) || robot.state == State::waiting) return traffic_.stands(j, pose.x, pose.y);
   if (robot.state == State::driving && !rests(j, scene))
-    return traffic_.joins(j, robot.route, robot.clock, robot.joins, *reference_, scene.t, horizon);
+    return traffic_.joins(j, robot.route, robot.clock, robot.joins, {*reference_, scene.t, horizon});
   if (robot.state == State::driving) return traffic_.drives(j, robot.route, robot.clock);
-  if (robot.state == State::yielding) return traffic_.follows(j, *reference_, scene.t, horizon, yield_);
-  if (robot.state == State::passing) return traffic_.follows(j, *reference_, scene.t, horizon, robot.aside);
+  if (robot.state == State::yielding) return traffic_.follows(j, {*reference_, scene.t, horizon, yield_});
+  if (robot.state == State::passing) return traffic_.follows(j, {*reference_, scene.t, horizon}, robot.aside);
   if (scene.to_starts || nominal[j].twist == Twist{}) {
     if (scene.to_starts || formation_t_ >= rest_from_[j])
       return traffic_.stands(j, nominal[j].pose.x, nominal[j].pose.y);
   }
   const double most = rest_from_[j] < never ? std::max(0.0, rest_from_[j] - formation_t_) + 0.2 : horizon;
-  traffic_.follows(j, *reference_, scene.t, std::min(most, Traffic::step * Traffic::steps));
+  traffic_.follows(j, {*reference_, scene.t, std::min(most, Traffic::step * Traffic::steps)});
 }
 
 /// Before anybody has moved: whose nominal ways to rest meet.

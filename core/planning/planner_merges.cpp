@@ -141,7 +141,7 @@ double Planner::merge(const Merging::Trial& trial, const Scene& scene, Merge::Qu
     m.joins[at] = way.joins;
     total = std::max(total, way.joins);
     like.watched = std::max(like.watched, way.joins);
-    if (k + 1 < m.count) traffic_.joins(i, m.routes[at], 0.0, way.joins, *reference_, scene.t, merge_horizon);
+    if (k + 1 < m.count) traffic_.joins(i, m.routes[at], 0.0, way.joins, {*reference_, scene.t, merge_horizon});
   }
   return total;
 }

@@ -81,11 +81,10 @@ Moving beside(const Pose& place, const Twist& twist, double heading, double turn
 
 }  // namespace
 
-Sidestep::Sidestep(double t, const Aside& from, double height, double rises, double stays, double falls,
-                   const Delay& delay, double mean) noexcept
-    : begins_(t), rises_(rises), stays_(stays), falls_(falls), height_(height), mean_step_(mean), delay_(delay) {
-  const double c_2 = 0.5 * from.bend, r = rises;
-  const double way = height - from.by - from.rate * r - c_2 * r * r, rate = -from.rate - 2.0 * c_2 * r,
+Sidestep::Sidestep(double t, const Aside& from, const Profile& profile, const Delay& delay, double mean) noexcept
+    : begins_(t), profile_(profile), mean_step_(mean), delay_(delay) {
+  const double c_2 = 0.5 * from.bend, r = profile.rises;
+  const double way = profile.height - from.by - from.rate * r - c_2 * r * r, rate = -from.rate - 2.0 * c_2 * r,
                bend = -2.0 * c_2;
   rise_ = {from.by,
            from.rate,
@@ -96,23 +95,24 @@ Sidestep::Sidestep(double t, const Aside& from, double height, double rises, dou
 }
 
 double Sidestep::ends() const noexcept {
-  return std::max(begins_ + rises_ + stays_ + falls_, delay_.ends());
+  return std::max(begins_ + profile_.rises + profile_.stays + profile_.falls, delay_.ends());
 }
 
 Sidestep::Aside Sidestep::at(double t) const noexcept {
   const double since = t - begins_;
-  if (since >= rises_ + stays_ + falls_) return {};
-  if (since < rises_) {
+  if (since >= profile_.rises + profile_.stays + profile_.falls) return {};
+  if (since < profile_.rises) {
     const double w = std::max(0.0, since);
     const auto& c = rise_;
     return {c[0] + w * (c[1] + w * (c[2] + w * (c[3] + w * (c[4] + w * c[5])))),
             c[1] + w * (2.0 * c[2] + w * (3.0 * c[3] + w * (4.0 * c[4] + w * 5.0 * c[5]))),
             2.0 * c[2] + w * (6.0 * c[3] + w * (12.0 * c[4] + w * 20.0 * c[5]))};
   }
-  if (since < rises_ + stays_) return {height_, 0.0, 0.0};
-  const double w = share_of(since - rises_ - stays_, falls_), left = 1.0 - w;
-  return {height_ * left * left * left * (1.0 + 3.0 * w + 6.0 * w * w), -30.0 * height_ * w * w * left * left / falls_,
-          -60.0 * height_ * w * left * (1.0 - 2.0 * w) / (falls_ * falls_)};
+  if (since < profile_.rises + profile_.stays) return {profile_.height, 0.0, 0.0};
+  const double w = share_of(since - profile_.rises - profile_.stays, profile_.falls), left = 1.0 - w;
+  return {profile_.height * left * left * left * (1.0 + 3.0 * w + 6.0 * w * w),
+          -30.0 * profile_.height * w * w * left * left / profile_.falls,
+          -60.0 * profile_.height * w * left * (1.0 - 2.0 * w) / (profile_.falls * profile_.falls)};
 }
 
 Pose Sidestep::pose(const Reference& reference, std::size_t i, double t) const noexcept {
@@ -256,8 +256,9 @@ bool SidestepSearch::next(Sidestep& way) noexcept {
     const double half = 0.5 * step * static_cast<double>(last_ - first_) * shares[shape_ % shares.size()];
     const double rises = std::max(shortest, middle - half),
                  falls_for = returns[shape_ / shares.size()] * leads(height_);
-    way = Sidestep(query_.t, query_.from, side_ == 0 ? height_ : -height_, rises, std::max(0.0, middle + half - rises),
-                   falls_for, query_.delay, step * static_cast<double>(manners[manner_].apart));
+    const Sidestep::Profile profile{side_ == 0 ? height_ : -height_, rises, std::max(0.0, middle + half - rises),
+                                    falls_for};
+    way = Sidestep(query_.t, query_.from, profile, query_.delay, step * static_cast<double>(manners[manner_].apart));
     if (!fits(way)) continue;
     if (!next_shape()) together_ = most_together + 1;
     return true;

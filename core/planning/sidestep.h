@@ -19,11 +19,14 @@ class Sidestep {
   struct Aside {
     double by = 0.0, rate = 0.0, bend = 0.0;
   };
+  /// To `height` [m] to the left within `rises`, there for `stays`, and back to 0 within `falls`. [s]
+  struct Profile {
+    double height = 0.0, rises = 0.0, stays = 0.0, falls = 0.0;
+  };
   Sidestep() = default;  ///< none
-  /// From `from` at time t to `height` within `rises`, there for `stays`, and back to 0 within `falls`. [s] `delay`: of
-  /// the place's clock. `mean`: its heading is a mean over four of them to both sides [s].
-  Sidestep(double t, const Aside& from, double height, double rises, double stays, double falls,
-           const Delay& delay = {}, double mean = 0.1) noexcept;
+  /// From `from` at time t. `delay`: of the place's clock. `mean`: its heading is a mean over four of them to both
+  /// sides [s].
+  Sidestep(double t, const Aside& from, const Profile& profile, const Delay& delay = {}, double mean = 0.1) noexcept;
 
   Aside at(double t) const noexcept;
   double begins() const noexcept { return begins_; }  ///< [s]
@@ -35,7 +38,8 @@ class Sidestep {
   Pose pose(const Reference& reference, std::size_t i, double t) const noexcept;
 
  private:
-  double begins_ = 0.0, rises_ = 0.0, stays_ = 0.0, falls_ = 0.0, height_ = 0.0;
+  double begins_ = 0.0;
+  Profile profile_;
   double mean_step_ = 0.1;
   std::array<double, 6> rise_{};  // a polynomial in the time since `begins_`
   Delay delay_;

@@ -43,9 +43,9 @@ void Traffic::drives(std::size_t j, const Route& route, double clock) noexcept {
   }
 }
 
-void Traffic::joins(std::size_t j, const Route& route, double clock, double joins, const Reference& reference, double t,
-                    double horizon, const Delay& delay) noexcept {
-  follows(j, reference, t, horizon, delay);
+void Traffic::joins(std::size_t j, const Route& route, double clock, double joins,
+                    const Timetable& timetable) noexcept {
+  follows(j, timetable);
   for (std::size_t k = 0; k < steps; ++k) {
     const double at = clock + step * static_cast<double>(k);
     if (at >= joins) break;
@@ -56,8 +56,8 @@ void Traffic::joins(std::size_t j, const Route& route, double clock, double join
   }
 }
 
-void Traffic::follows(std::size_t j, const Reference& reference, double t, double horizon,
-                      const Delay& delay) noexcept {
+void Traffic::follows(std::size_t j, const Timetable& timetable) noexcept {
+  const auto& [reference, t, horizon, delay] = timetable;
   present_[j] = true;
   const std::size_t last = std::min(steps - 1, static_cast<std::size_t>(horizon / step));
   for (std::size_t k = 0; k < steps; ++k) {
@@ -71,11 +71,11 @@ void Traffic::follows(std::size_t j, const Reference& reference, double t, doubl
     --still_from_[j];
 }
 
-void Traffic::follows(std::size_t j, const Reference& reference, double t, double horizon,
-                      const Sidestep& aside) noexcept {
-  follows(j, reference, t, horizon);
+void Traffic::follows(std::size_t j, const Timetable& timetable, const Sidestep& aside) noexcept {
+  follows(j, timetable);
+  const double t = timetable.t;
   for (std::size_t k = 0; k < steps && t + step * static_cast<double>(k) < aside.ends(); ++k) {
-    const Pose pose = aside.pose(reference, j, t + step * static_cast<double>(k));
+    const Pose pose = aside.pose(timetable.reference, j, t + step * static_cast<double>(k));
     x_[j * steps + k] = pose.x;
     y_[j * steps + k] = pose.y;
     still_from_[j] = std::max(still_from_[j], std::min(steps - 1, k + 1));

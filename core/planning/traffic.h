@@ -35,14 +35,18 @@ class Traffic {
   void leaves(std::size_t j, double seconds) noexcept;
   /// Drives a route from the route's time `clock` on [s].
   void drives(std::size_t j, const Route& route, double clock) noexcept;
+  /// A reference that is at time t now, on a delayed clock; it is followed up to `horizon`. [s]
+  struct Timetable {
+    const Reference& reference;
+    double t, horizon;
+    Delay delay = {};
+  };
+  void follows(std::size_t j, const Timetable& timetable) noexcept;
+  /// Follows its reference, beside it for a while.
+  void follows(std::size_t j, const Timetable& timetable, const Sidestep& aside) noexcept;
   /// Drives a route from the route's time `clock` on, which meets its place at `joins` [s]: then it follows its
   /// reference.
-  void joins(std::size_t j, const Route& route, double clock, double joins, const Reference& reference, double t,
-             double horizon, const Delay& delay = {}) noexcept;
-  /// Follows its reference, which is at time t now, on a delayed clock [s]; only up to `horizon`.
-  void follows(std::size_t j, const Reference& reference, double t, double horizon, const Delay& delay = {}) noexcept;
-  /// Follows its reference, beside it for a while.
-  void follows(std::size_t j, const Reference& reference, double t, double horizon, const Sidestep& aside) noexcept;
+  void joins(std::size_t j, const Route& route, double clock, double joins, const Timetable& timetable) noexcept;
   /// Copies its motion from another traffic.
   void copy(std::size_t j, const Traffic& from) noexcept;
   /// Copies its motion from another traffic, which begins at time t, on a clock that falls behind. [s]

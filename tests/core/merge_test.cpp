@@ -124,7 +124,7 @@ double joins(std::size_t i, const Pose& from, std::size_t most_work, const Delay
   const core::Lattice lattice({4.0, 1.0}, 0.0435, 0);
   core::Traffic traffic(Column::count);
   for (std::size_t j = 0; j < Column::count; ++j)
-    if (j != i) traffic.follows(j, column, 0.0, 45.0, delay);
+    if (j != i) traffic.follows(j, {column, 0.0, 45.0, delay});
   core::Merge merge;
   core::Merge::Query query;
   query.robot = i;
