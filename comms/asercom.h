@@ -10,8 +10,8 @@
 #include <vector>
 
 /// The e-puck's serial protocol, "advanced sercom" (asercom): bytes from values and values from bytes, nothing else.
-/// Source: the firmware's own parsers (e-puck1 Asercom.c, e-puck2 Asercom2.c). Pure functions, any thread, no
-/// exceptions but bad_alloc.
+/// Source: the firmware's own parsers (e-puck1 Asercom.c, e-puck2 Asercom2.c). Pure functions; any thread; no
+/// exceptions except bad_alloc.
 namespace skein::comms {
 
 /// A pair of wheel speeds as the robot takes them. [steps/s], positive drives forward
@@ -52,8 +52,8 @@ enum class Question {
 /// One binary request: `BC l l r r` sets the speeds as soon as the arguments are in, `BB AF` asks for the speeds taken
 /// and for the counters, `9E` for the battery, `00` ends the request. A request with a question is acknowledgement,
 /// heartbeat and round-trip probe in one. Four zeros come first, which an idle parser skips: a truncated speed command
-/// (the host died, a byte was lost) takes them as its missing speeds, not the bytes that follow, which could mean full
-/// speed.
+/// (the host died, a byte was lost) takes these zeros as its missing speeds. Otherwise it would take the bytes that
+/// follow, which could mean full speed.
 std::vector<std::uint8_t> wheel_request(std::optional<WheelCommand> speeds, Question question);
 
 inline constexpr std::size_t longest_request = 13;  ///< of wheel_request() [bytes]

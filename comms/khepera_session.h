@@ -16,7 +16,7 @@ namespace skein::comms {
 /// commands with "$". The unit of speed is 0.6781 mm/s, that of position 0.006781 mm.
 ///
 /// It discards input that arrives while it answers. So one line at a time is sent, and a new command waits for the
-/// answers to the last. It has no watchdog.
+/// answers to the previous one. It has no watchdog.
 inline constexpr WheelUnit khepera_unit{.metres_per_step = 0.6781e-3, .fastest = 1200, .most_unconfirmed = 0};
 
 /// A position as a counter of the same unit as the speeds.
@@ -28,7 +28,8 @@ std::span<const std::uint8_t> khepera_stop() noexcept;
 bool khepera_acknowledged(std::span<const std::uint8_t> heard) noexcept;
 
 /// LinkSession for a Khepera IV. A "d" may answer a line that the stop has completed, while the stop itself was
-/// discarded: a robot is known to stand when it has answered so many stops that the last must be among them.
+/// discarded. A robot is therefore known to stand only when it has answered so many stops that the last one must be
+/// among them.
 class KheperaSession final : public LinkSession {
  public:
   explicit KheperaSession(const LinkOptions& options) : LinkSession(options, khepera_unit) {}

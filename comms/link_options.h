@@ -4,12 +4,12 @@ namespace skein::comms {
 
 /// Time and distance limits of links. The defaults suit e-pucks over Bluetooth at 25 Hz.
 struct LinkOptions {
-  /// How far a robot may drive, at the fastest speed commanded meanwhile, without an answer that confirms its commands
-  /// [m]: then it is stopped. For a slow robot this is a longer time. 0.05 m are 0.5 s at 0.1 m/s. 0 or less: no limit
-  /// (lock-step runs).
+  /// How far a robot may drive without an answer that confirms its commands, computed with the fastest speed commanded
+  /// meanwhile [m]; then it is stopped. For a slow robot this is a longer time. 0.05 m are 0.5 s at 0.1 m/s. 0 or less:
+  /// no limit (lock-step runs).
   double blind_distance = 0.05;
-  /// A reply later than this counts as lost [s]: the robot is stopped and asked again. Other drivers wait up to 10 s;
-  /// over a busy radio 99.9 % come within 0.25 s.
+  /// A reply later than this counts as lost [s]: the robot is stopped, and the request is repeated. Other drivers wait
+  /// up to 10 s; over a busy radio 99.9 % come within 0.25 s.
   double reply_timeout = 0.5;
   /// A stop that is not acknowledged is sent again after this long, then after twice that, and so on up to
   /// `reply_timeout` [s]: radios do not lose it, an e-puck1's receive ring may.

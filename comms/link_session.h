@@ -19,9 +19,9 @@ namespace skein::comms {
 struct WheelUnit {
   double metres_per_step = std::numbers::pi * 0.041 / 1000.0;  ///< of every e-puck, to a few per cent [m]
   int fastest = fastest_motor;                                 ///< largest command to any such robot [steps/s]
-  /// The largest number of unconfirmed commands while a question is pending. With a question they stay below the 58
-  /// bytes that an e-puck1 can receive at once, in case the radio delays them all, and below the five at which an
-  /// e-puck2 over WiFi throws all but the newest away.
+  /// The largest number of unconfirmed commands while a question is pending. Together with a question they stay below
+  /// the 58 bytes that an e-puck1 can receive at once, in case the radio delays them all, and below the five commands
+  /// at which an e-puck2 over WiFi discards all but the newest.
   int most_unconfirmed = 4;
 };
 
@@ -73,7 +73,7 @@ class LinkSession {
   bool up() const noexcept { return phase_ == Phase::up; }
   bool stop_acknowledged() const noexcept { return stop_acknowledged_; }
   double silent_since() const noexcept;  ///< since when an answer is due and nothing came; infinity: none is due
-  /// Since when it has not been up: if it fell silent, since the request; infinity: it is up.
+  /// Since when it has not been up; if it fell silent, since the unanswered request; infinity: it is up.
   double out_since() const noexcept;
   std::uint16_t answered_ticket() const noexcept { return answered_ticket_; }  ///< of the newest command answered
   /// The bytes last written to the system. A stop counts as speeds of 0.
@@ -97,8 +97,8 @@ class LinkSession {
 
   // --- What a protocol defines ---------------------------------------------------------------------------------------
   virtual void begin() = 0;     ///< discard input from the old link
-  virtual void put_stop() = 0;  ///< a stop into the output
-  /// Speeds, if any, and a question, if any, into the output, which is empty.
+  virtual void put_stop() = 0;  ///< puts a stop into the output
+  /// Puts speeds, if any, and a question, if any, into the output, which is empty before.
   virtual void put_request(std::optional<WheelCommand> speeds, Question question) = 0;
   virtual void hear(std::span<const std::uint8_t> bytes, double now) = 0;
   virtual void no_answer_to_stop(double now) = 0;  ///< the time-out while synchronising has expired

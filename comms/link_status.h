@@ -15,7 +15,7 @@ enum class LinkState {
   synchronising,  ///< open; the stop sequence is sent, its answer awaited
   up,             ///< the robot answers
   stale,          ///< open, but a reply is overdue; the stop sequence is repeated until the robot answers
-  failed,         ///< given up (reason says why): could never be opened, or closed with the stop not acknowledged
+  failed,         ///< given up (reason says why): could never be opened, or closed without an acknowledged stop
   closed          ///< closed after the robot acknowledged its stop
 };
 

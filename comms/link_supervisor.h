@@ -51,8 +51,8 @@ class LinkSupervisor {
   void release_stop() noexcept;
   bool stopped() const noexcept;  ///< between emergency_stop() and release_stop()
 
-  /// For how long the program stalled when that caused an emergency stop, see LinkOptions::standstill [s]; 0: it did
-  /// not. Any thread.
+  /// How long the program's stall lasted that caused an emergency stop, see LinkOptions::standstill [s]; 0: there was
+  /// none. Any thread.
   double stood_still() const noexcept;
 
   /// Blocks until every robot has answered its newest command (commands voided by an emergency stop need no answer);

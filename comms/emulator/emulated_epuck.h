@@ -31,7 +31,7 @@ class EmulatedEpuck {
 
   void receive(std::span<const std::uint8_t> bytes, double now);  ///< the bytes of one write of the host
   void advance(double now);                                       ///< lets time pass: all events due by then happen
-  /// What has reached the host and was not taken yet.
+  /// The bytes that have reached the host and were not taken yet.
   std::vector<std::uint8_t> take();
   /// The time of the next event that the host does not cause; infinity: none.
   double deadline() const noexcept;
@@ -51,7 +51,7 @@ class EmulatedEpuck {
   bool loses() const noexcept;
   /// True: a `latency` fault holds up, or may hold up, what is sent to the robot now.
   bool delays() const noexcept { return active(FaultKind::latency) != nullptr || time_ < held_up_until_; }
-  /// Off and on again within an instant.
+  /// Switches the robot off and on again at once.
   void reboot();
   /// A host has connected: a partial command of the previous host is discarded if the protocol allows that (WiFi does,
   /// asercom keeps it).

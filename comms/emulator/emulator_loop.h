@@ -14,9 +14,9 @@
 
 namespace skein::comms {
 
-/// Called on the emulator's thread when a robot's firmware tells its motors a speed [steps/s], new or not, BEFORE the
-/// reply to the command is written: after the reply the callback has returned. It must not throw, and may call wheels()
-/// and address() only.
+/// Called on the emulator's thread when a robot's firmware sends its motors a speed [steps/s], new or not. The reply to
+/// the command is written only AFTER this callback has returned. It must not throw, and may call wheels() and address()
+/// only.
 using WheelsTold = std::function<void(std::size_t robot, const core::WheelSpeeds& commanded)>;
 
 /// Emulated robots and where hosts reach them, one thread for all.

@@ -28,7 +28,7 @@ class Endpoint {
   };
   /// When the descriptor is readable.
   virtual Arrival read(std::span<std::uint8_t> into) = 0;
-  /// Sends to the host. Bytes are lost if there is no room or no host: a robot does not wait.
+  /// Sends to the host. Bytes are lost if there is no room or no host, since a robot does not wait.
   virtual void write(std::span<const std::uint8_t> bytes) noexcept = 0;
   /// Breaks the connection; a host may come again.
   virtual void hang_up() = 0;

@@ -32,7 +32,7 @@ constexpr bool is_in_packets(EpuckProgram program) noexcept {
 /// manufacturer's parser, bugs included; or an e-puck2's WiFi program, whose packets become the asercom commands F7 and
 /// F8 inside the robot. No I/O, no clock. Not thread-safe.
 ///
-/// Emulated: every request of the protocol but those for the camera (I, J), the calibration (K), the scan of the I2C
+/// Emulated: every request of the protocol except those for the camera (I, J), the calibration (K), the scan of the I2C
 /// bus (Z) and the whole text of the help (H). Requests to extension boards get the answers of a robot that has none.
 /// Sensors read constants, except the battery. The e-puck1's receive ring precedes the parser: see EmulatedEpuck.
 class EpuckFirmware final : public RobotFirmware {
@@ -44,9 +44,9 @@ class EpuckFirmware final : public RobotFirmware {
   /// disconnects. Over WiFi the bytes wait for stream().
   void receive(std::span<const std::uint8_t> bytes, std::vector<std::uint8_t>& reply) override;
 
-  /// One round of the WiFi program's loop, every `stream_period`: it takes a command if one waits (of five or more only
-  /// the newest), tells the motors, and once a first command has come sends a packet of the kind that the newest one
-  /// asked for, whether it is new or not.
+  /// One round of the WiFi program's loop, every `stream_period`. It takes a command if one waits (only the newest if
+  /// there are five or more) and sends its speeds to the motors. After the first command it sends a packet in every
+  /// round, of the kind that the newest command requested, whether that command is new or not.
   void stream(std::vector<std::uint8_t>& reply);
   static constexpr double stream_period = 0.022;  // [s]
   bool streams() const noexcept { return streaming_ || !waiting_.empty(); }

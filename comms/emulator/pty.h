@@ -5,8 +5,8 @@
 
 namespace skein::comms {
 
-/// A pseudo-terminal in raw mode: what a program writes to path() can be read from robot(), and the other way.
-/// Move-only; the constructor throws std::system_error.
+/// A pseudo-terminal in raw mode: what a program writes to path() can be read from robot(), and vice versa. Move-only;
+/// the constructor throws std::system_error.
 class Pty {
  public:
   Pty();

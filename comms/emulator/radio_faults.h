@@ -17,10 +17,10 @@ enum class FaultKind {
   corruption,  ///< a share of all bytes arrives as other bytes
   disconnect,  ///< the connection breaks, and cannot be made again while the fault lasts; wheels go on
   reboot,      ///< the robot is off while the fault lasts, then greets: wheels stand, counters are 0
-  stuck,       ///< the robot's parser is left within half a command, as after a host that died; an instant
+  stuck,       ///< the robot's parser is left in the middle of a command, as after a host has died; at once
   ring,        ///< the e-puck1's 64-byte receive ring at 115200 baud: a burst over 64 bytes overwrites its beginning
   battery,     ///< the battery is at `volts` and sags by `sag` a minute
-  swapped_wheels,   ///< the command for the left wheel drives the right one, its counter too, and the other way
+  swapped_wheels,   ///< the command for the left wheel drives and counts the right one, and vice versa
   silent_encoders,  ///< the step counters read 0
   stall             ///< over WiFi: the robot's loop pauses, as after a mismatch on its own UART; commands wait
 };

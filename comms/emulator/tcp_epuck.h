@@ -12,8 +12,8 @@ namespace skein::comms {
 /// An emulated e-puck2 with the WiFi firmware: a TCP server for one client at a time.
 class TcpEpuck {
  public:
-  /// Listens on 127.0.0.1. `port` 0: one that is free. `clock` as for EmulatorLoop. Throws std::system_error when the
-  /// port cannot be had.
+  /// Listens on 127.0.0.1. `port` 0: any free port. `clock` as for EmulatorLoop. Throws std::system_error when the port
+  /// is not available.
   explicit TcpEpuck(std::function<double()> clock, int port = 0);
 
   int port() const;

@@ -43,7 +43,7 @@ class Avoidance {
   State state(std::size_t i) const noexcept { return robots_[i].state; }
   /// Whether this step found robot i stuck.
   bool stuck(std::size_t i) const noexcept { return robots_[i].found_stuck; }
-  /// Forget robot i's modified reference, for example after somebody moved the robot.
+  /// Forgets robot i's modified reference, for example after the robot was moved by hand.
   void reset(std::size_t i) noexcept { robots_[i] = {}; }
 
   static constexpr double patience = 3.0;  ///< [s]

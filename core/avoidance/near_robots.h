@@ -9,8 +9,8 @@
 
 namespace skein::core {
 
-/// Neighbour search: robots sorted into square cells, so that the cost of a search grows with the neighbours and not
-/// with the group. Only the constructor allocates.
+/// Neighbour search: robots are sorted into square cells, so that the cost of a search grows with the number of
+/// neighbours and not with that of the group. Only the constructor allocates.
 class NearRobots {
  public:
   explicit NearRobots(std::size_t robots);

@@ -15,8 +15,8 @@ struct Obstacle {
   friend bool operator==(const Obstacle&, const Obstacle&) = default;
 };
 
-/// The radius of the standard body, an e-puck's: parameters that are distances between midpoints, or around one, hold
-/// for bodies of this radius. [m]
+/// The radius of the standard body, that of an e-puck: parameters that are distances between midpoints, or from a
+/// midpoint, hold for bodies of this radius. [m]
 inline constexpr double standard_radius = 0.035;
 
 /// By how much the radius of each body of a group exceeds `standard_radius`; negative: smaller. A pair keeps the

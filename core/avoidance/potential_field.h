@@ -36,7 +36,7 @@ struct AvoidanceParameters {
   double K_o = 0.02;     ///< repulsion [m^2/s]
   double horizon = 0.0;  ///< look-ahead instead of the field [s]; 0: the field, and detours only for stuck robots
   bool formation_waits = false;  ///< plan: the formation slows down while one of its robots returns to it
-  bool improve = true;           ///< plan: better ways are searched for while robots drive
+  bool improve = true;           ///< plan: better routes are searched for while robots drive
 };
 
 /// |dx/alpha|^p + |dy/beta|^p of (30), with absolute values (an odd p would make it negative): at most 1 inside the

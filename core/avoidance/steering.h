@@ -19,7 +19,7 @@ struct ReferenceBounds {
   double omega;  ///< largest |omega_ref| + k_y v_ref [rad/s]
   double k_y;
 
-  /// The largest turning rate: it leaves at least part of the common bound to the forward speed.
+  /// The largest turning rate: it leaves part of the common bound to the forward speed.
   double omega_limit() const noexcept { return 0.6 * omega; }
   /// The largest forward speed at this turning rate, never negative.
   double v_limit(double omega_ref) const noexcept;
@@ -63,8 +63,8 @@ class Steering {
     double horizon;       ///< [s]
     double last_heading;  ///< of its last course; NaN: it had none [rad]
     double last_omega;    ///< of its reference [rad/s]
-    /// How long it has blocked others; the longer, the smaller the weight of its goal, and the sooner it drives
-    /// wherever there is room. [s]
+    /// How long it has blocked others [s]; the longer, the smaller the weight of its goal, and the sooner it drives to
+    /// wherever there is room.
     double waited;
   };
   Course choose(const Scene& scene, const Query& query) noexcept;

@@ -18,8 +18,8 @@ namespace skein::core {
 void coordination_law(const Gains& gains, std::span<const TrackingError> errors, std::span<const Twist> reference,
                       std::span<Twist> command) noexcept;
 
-/// The same to 1e-12 of the limits, with vectorised pairs for large groups; bit for bit the same for small ones, and on
-/// every processor. `pairs` is constructed for at least as many robots.
+/// The same to 1e-12 of the limits for large groups, whose pairs are vectorised; bit for bit the same for small groups.
+/// The results are the same on every processor. `pairs` is constructed for at least as many robots.
 void coordination_law(const Gains& gains, std::span<const TrackingError> errors, std::span<const Twist> reference,
                       std::span<Twist> command, LawPairs& pairs) noexcept;
 

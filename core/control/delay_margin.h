@@ -26,10 +26,10 @@ struct DelayMargin {
 /// The delay margin of robot i's loop with this reference. Tries up to 64 sampling periods.
 DelayMargin delay_margin(const Gains& gains, std::size_t i, const Twist& reference, double period);
 
-/// How far robot i swings about its place at a delay that its loop does not bear: the largest distance in the last
-/// quarter of two minutes that begin 1 cm beside it, under the law (15) without couplings, which make it less (they
-/// share the normaliser). (18) bounds the commands, and so the swing. Nearly 0 where the loop is stable. period > 0
-/// [s], delay >= 0 [s]. [m]
+/// How far robot i swings about its place at a delay beyond its loop's margin: the largest distance in the last quarter
+/// of two minutes that begin 1 cm beside the place, under the law (15) without couplings. (With couplings the robot
+/// swings less, since the robots share the normaliser.) (18) bounds the commands, and so the swing. Nearly 0 where the
+/// loop is stable. period > 0 [s], delay >= 0 [s]. [m]
 double swing(const Gains& gains, std::size_t i, const Twist& reference, double period, double delay);
 
 }  // namespace skein::core

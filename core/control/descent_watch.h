@@ -30,8 +30,8 @@ class DescentWatch {
     poses_[i] = from;
     twists_[i] = twist;
   }
-  /// Call this when somebody moves a robot, or a robot stops, is lost or is found: ignores the change of V until the
-  /// next tick.
+  /// Ignores the change of V until the next tick. To be called when a robot is moved by hand, stops, is lost or is
+  /// found.
   void forget() noexcept { knows_ = false, sum_ = 0.0; }
 
  private:

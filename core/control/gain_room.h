@@ -10,7 +10,8 @@ namespace skein::core {
 /// own.
 std::optional<GainName> shares_limit_with(GainName name) noexcept;
 
-/// What (18f, g) leave room in: the robots' gains, with the couplings `couplings` instead of their own.
+/// The gains for which the functions below find room in (18f, g): those of the robots, with `couplings` instead of
+/// their own.
 struct GainRoom {
   const Gains& gains;
   const CouplingGains& couplings;

@@ -21,10 +21,10 @@ Separation separation_rate(const Pose& leader, const Twist& leads, const Pose& f
 /// Leader and followers by separation and bearing: the l-phi control of Desai, Ostrowski and Kumar (2001), which
 /// linearises input to output, so that
 ///   l' = l_ref' + alpha_l (l_ref - l)        phi' = phi_ref' + alpha_phi (phi_ref - phi)
-/// of the point `ahead` of the follower's midpoint. Robot 1 tracks its own reference (`track_alone`), every other robot
-/// follows the robot before it; if that one is out of the group, the nearest one before it that is in it, and if there
-/// is none it leads. l_ref and phi_ref are those of the references, and change where the formation bends. Errors of a
-/// leader propagate to its followers: no follower corrects its own place in the world.
+/// of the point `ahead` of the follower's midpoint. Robot 1 tracks its own reference (`track_alone`); every other robot
+/// follows the robot in front of it. If that robot is out of the group, it follows the nearest one in front that is in
+/// the group; if there is none, it leads. l_ref and phi_ref are those of the references, and change where the formation
+/// bends. Errors of a leader propagate to its followers: no follower corrects its own place in the world.
 class LeaderFollowerController final : public Controller {
  public:
   enum Parameter : std::size_t { alpha_l, alpha_phi, ahead };

@@ -30,7 +30,7 @@ class CameraWatch {
 
   /// Discards all evidence so far.
   void forget() noexcept;
-  /// Somebody is known to be moving this robot by hand until this time: ignores its measurements. [s]
+  /// This robot is known to be moved by hand until this time: ignores its measurements. [s]
   void excuse(std::size_t robot, double until) noexcept { robots_[robot].excused_until = until; }
 
   /// How far a robot may be from its expected pose if the camera has not moved.

@@ -17,8 +17,8 @@ struct FilterParameters {
 
 /// Estimates a robot's pose from delayed measurements and the commands that were sent: an extended Kalman filter on the
 /// unicycle kinematics (1), one per robot. Its state is the pose at the newest measurement's time of capture; the
-/// predictor carries it to the time at which a command acts. A measurement without uncertainty is used unchanged, bit
-/// for bit.
+/// predictor propagates it to the time at which a command acts. A measurement without uncertainty is used unchanged,
+/// bit for bit.
 class PoseFilter {
  public:
   /// Records that the robot drives with `twist` from time `acts_at` on. Times must not decrease. [s]

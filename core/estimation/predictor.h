@@ -9,7 +9,7 @@
 
 namespace skein::core {
 
-/// Carries a measured pose to the time at which the next command acts, along the arcs commanded since. One for each
+/// Propagates a measured pose to the time at which the next command acts, along the arcs commanded since. One for each
 /// robot. A measurement taken at the command's time is returned unchanged, bit for bit.
 class Predictor {
  public:

@@ -9,8 +9,8 @@ namespace skein::core {
 /// Standard deviations from the middle of a normal distribution to either end of its 95 % interval.
 inline constexpr double z_95 = 1.959963984540054;
 
-/// The median, of an even number the upper one of the two in the middle. Reorders the values, of which there must be
-/// one at least. Does not allocate.
+/// The median; for an even number of values the upper one of the two in the middle. Reorders the values; there must be
+/// at least one. Does not allocate.
 inline double median_of(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());

@@ -11,9 +11,9 @@
 
 namespace skein::core {
 
-/// The clock of a formation that waits: while one of its robots is on its way back, all references run on slowly, and
-/// afterwards faster, until they are on time again. It never stands, since Theorem 1 asks for v_ref other than 0, and
-/// its rate is continuous, so that references stay continuous too.
+/// The clock of a formation that waits: while one of its robots is on its way back, all references move on slowly, and
+/// afterwards faster, until they are on time again. It never stands, since Theorem 1 requires a nonzero v_ref, and its
+/// rate is continuous, so that references stay continuous too.
 class FormationClock {
  public:
   static constexpr double slowly = 0.2;         ///< its rate while it waits
@@ -49,7 +49,7 @@ class WaitingReference final : public Reference {
   std::size_t robots() const noexcept override { return on_time_->robots(); }
   using Reference::at;
   ReferencePoint at(std::size_t i, double t) const noexcept override;
-  /// Of the references on time: what the clock's hurry adds is bounded by whoever steps it.
+  /// That of the references on time: the caller that steps the clock bounds what its hurry adds.
   ReferenceDemand demand(double k_y) const noexcept override { return on_time_->demand(k_y); }
   bool smooth() const noexcept override { return on_time_->smooth(); }
   std::vector<std::vector<Pose>> lines() const override { return on_time_->lines(); }

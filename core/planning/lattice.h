@@ -16,7 +16,7 @@ struct HalfSize {
   double width = 1.0, height = 0.75;
 };
 
-/// The vertices of routes: one in each cell of a square grid, at its centre, or near obstacles where the cell has most
+/// The vertices of routes: one in each cell of a square grid, at its centre or, near obstacles, where the cell has most
 /// room, so that a gap narrower than a cell is found. The 8 neighbours are joined if the straight line between them is
 /// free. Allocates in its constructor only.
 class Lattice {

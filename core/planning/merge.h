@@ -22,12 +22,12 @@ namespace skein::core {
 Twist homing(const ReferencePoint& place, const ReferencePoint& from, const ReferenceBounds& bounds,
              double dt) noexcept;
 
-/// Ways of one robot back to a place that drives on: turn on the spot or drive an arc, go straight, turn or drive an
-/// arc, to meet the place with its heading and its speed at the earliest possible moment (Dubins' paths with turns on
-/// the spot, against a clock). Each way is simulated against the others' traffic, under the shield's own condition; if
-/// there is no other robot near, the first way of each kind is the earliest. The robot passes others by a point to the
-/// side, where it may wait, or in a lane beside them until it is abreast of its place. Allocates in its constructor
-/// only.
+/// Finds a way for one robot back to a place that drives on: turn on the spot or drive an arc, go straight, turn or
+/// drive an arc, so as to meet the place with its heading and its speed at the earliest possible moment (Dubins' paths
+/// with turns on the spot, against a clock). Each way is simulated against the others' traffic, under the shield's own
+/// condition; if there is no other robot near, the first way of each kind is the earliest. The robot passes others by a
+/// point to the side, where it may wait, or in a lane beside them until it is abreast of its place. Allocates in its
+/// constructor only.
 class Merge {
  public:
   static constexpr double never = std::numeric_limits<double>::infinity();

@@ -23,10 +23,10 @@
 
 namespace skein::core {
 
-/// Coordination by planned routes, which only law, limits and shield follow. A robot whose nominal reference is free
-/// follows that. A robot that would meet another, or has been put elsewhere, gets a route of its own:
+/// Coordination by planned routes, after which come only the law, the limits and the shield. A robot whose nominal
+/// reference is free follows that. A robot that would meet another, or has been put elsewhere, gets a route of its own:
 ///   to a place at rest     all robots concerned are planned one after the other, each through the traffic of those
-///                          before it (prioritised planning, restarted with the failed robot first)
+///                          planned before (prioritised planning, restarted with the failed robot first)
 ///   to a place that moves  the fastest route that meets the place with its heading and speed (`Merge`); if robots
 ///                          that only follow their references block it, some of them yield: their clock stands for a
 ///                          moment and catches up, and robots that would come too near to them yield too;
@@ -37,7 +37,7 @@ namespace skein::core {
 /// to them on the way.
 /// Routes are driven on clocks: a robot passes a point only after all robots due there earlier have left it, and a
 /// robot that falls behind its reference holds its clock back. So a delay of one robot delays others but causes no
-/// conflict. The reference is continuous and inside (18f, g). All work is counted, none timed. Allocates in its
+/// conflict. The reference is continuous and inside (18f, g). Work is limited by counts, not by time. Allocates in its
 /// constructor only.
 class Planner {
  public:
@@ -62,7 +62,8 @@ class Planner {
     std::vector<double> smaller{};  ///< than that is each body; empty: all are as large [m]
     bool improve = true;            ///< better routes are searched for while robots drive; false: each keeps its first
   };
-  /// `clock`: of a formation that waits, which the reference goes by; null: it waits for nobody. The planner steps it.
+  /// `clock`: that of a formation that waits, on which the reference runs; null: the formation never waits. The planner
+  /// steps it.
   Planner(const Setup& setup, const Reference& reference, FormationClock* clock = nullptr);
 
   /// Goes on from where `other` is, a planner of the same robots and the same arena, also in the middle of a search:
@@ -75,7 +76,7 @@ class Planner {
     std::span<const Pose> poses;
     std::span<const Twist> commands;    ///< the latest
     std::span<const std::uint8_t> out;  ///< lost or held: stands where it is
-    /// Stands though it is told to drive: the others go around it, and it is planned anew once it drives.
+    /// Stands though it is commanded to drive: the others go around it, and it is planned anew once it drives.
     std::span<const std::uint8_t> stuck;
     std::span<const Obstacle> obstacles;
     double doubt = 0.0;  ///< uncertainty of the least certain pose [m]
@@ -89,7 +90,7 @@ class Planner {
   double share(std::size_t i) const noexcept { return robots_[i].share; }
   /// Planning has found no route for robot i, and keeps trying.
   bool no_way(std::size_t i) const noexcept { return robots_[i].no_way; }
-  /// The robot that stood at the place of robot i when its way was planned, or none (robots()).
+  /// The robot that stood at the place of robot i when its route was planned, or none (robots()).
   std::size_t taken_by(std::size_t i) const noexcept { return robots_[i].taken_by; }
   /// The robot for which robot i waits to pass first, or none (robots()).
   std::size_t waits_for(std::size_t i) const noexcept { return robots_[i].waits_for; }
@@ -152,8 +153,8 @@ class Planner {
     Pose before;     // its pose at the previous step
     std::size_t waits_for = 0, taken_by = 0;
     bool no_way = false, needs_plan = false;
-    bool makes_room = false;  // its place is taken: it drives to where it is in nobody's way
-    bool all_anew = false;    // and everybody with it
+    bool makes_room = false;  // its place is taken: it drives to where it blocks no other robot
+    bool all_anew = false;    // and all robots with it
     bool stood = false;       // it was out, or stuck
   };
 

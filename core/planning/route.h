@@ -37,12 +37,13 @@ class Route {
 
   /// Stands at a pose.
   void stand(const Pose& pose) noexcept;
-  /// Brakes from a speed at first [m/s].
+  /// Begins by braking from a speed [m/s].
   void brake(const Pose& pose, double v, const Pace& pace) noexcept;
   /// Where braking from there ends, and how long it takes. [s]
   static Pose stop(const Pose& pose, double v, const Pace& pace) noexcept;
   static double stop_time(double v, const Pace& pace) noexcept;
-  /// Leaves out what comes after t [s], but for what it takes to come to rest: a turn to its end, on a line braking.
+  /// Leaves out what comes after t [s], except what is needed to come to rest: the rest of a turn, or braking on a
+  /// line.
   void stop_at(double t, const Pace& pace) noexcept;
   /// Appends legs; their times count from the start of the route. At the end it turns to `heading`.
   /// False if there is no room for them.
@@ -61,7 +62,7 @@ class Route {
     double turned = 0.0;  ///< since the start, counter-clockwise [rad]
   };
   State at(double t) const noexcept;
-  /// The constant twist that leads from the pose at t to the one dt later; exact but for a turn and a drive in one
+  /// The constant twist that leads from the pose at t to the one dt later; exact unless a turn and a drive are in one
   /// step.
   Twist twist(double t, double dt) const noexcept;
   double duration() const noexcept { return size_ == 0 ? 0.0 : segments_[size_ - 1].t + segments_[size_ - 1].duration; }

@@ -34,8 +34,9 @@ class RouteSearch {
     double least = 0.0785;  ///< smaller limit if both goals are closer than that [m]
     Pace pace;
     std::span<const double> smaller{};  ///< than `keep` and `least` are for: each body [m]; empty: none is
-    /// Not empty: instead of to `to`, to the nearest place where it is in nobody's way: nobody passes there later, and
-    /// it is none of these, which are the others' places. It may be where the robot stands: no legs.
+    /// If not empty, the route leads not to `to` but to the nearest place where the robot blocks no other: no robot
+    /// passes there later, and it is none of these, which are the others' places. It may be where the robot stands:
+    /// then there are no legs.
     std::span<const Pose> away_from{};
   };
   void begin(const Query& query, const Traffic& traffic) noexcept;

@@ -45,7 +45,7 @@ class Sidestep {
   Delay delay_;
 };
 
-/// The ways of one robot past obstacles on its place's lane, the one that leaves it least first. Each keeps (18f, g),
+/// The ways of one robot past obstacles on its place's lane; the first one leaves the lane least. Each keeps (18f, g),
 /// and comes near to obstacles and edges no faster than the shield allows; it does not consider other robots. Of fixed
 /// size: it never allocates.
 class SidestepSearch {
@@ -63,7 +63,7 @@ class SidestepSearch {
   enum class Lane {
     free,     ///< nothing to pass
     later,    ///< there is, and time to begin later
-    blocked,  ///< there is: the ways past it come from `next`
+    blocked,  ///< there is: `next` gives the ways past it
   };
   Lane begin(const Query& query, const Reference& reference, const Lattice& lattice) noexcept;
   /// The next way; false: there is no other.

@@ -7,8 +7,8 @@
 
 namespace skein::core {
 
-/// Detects robots that make no progress towards their places, whatever the cause. Progress is to come nearer to the
-/// place, or to where it will stand at last, or to get on along a planned route: the place itself may drive away
+/// Detects robots that make no progress towards their places, whatever the cause. Progress means to come nearer to the
+/// place, or to where the place will finally rest, or to move along a planned route: the place itself may drive away
 /// meanwhile. Part of the tick: allocates in its constructor only.
 class ProgressWatch {
  public:
@@ -16,12 +16,12 @@ class ProgressWatch {
 
   struct Away {
     double from_place;     ///< where the robot is to be now [m]
-    double from_end;       ///< where its place will stand at last [m]; NaN: it drives on
+    double from_end;       ///< where its place will finally rest [m]; NaN: it drives on
     double along_a_route;  ///< time that its planned route still takes [s]; NaN: it has none
   };
 
   /// One tick: robot i is so far away and has been driven for `dt` [s]. True once when it has made no progress for
-  /// `patience`, or has gone to and fro for `long_patience`; and again only after it has been nearer than ever, or at
+  /// `patience`, or has gone to and fro for `long_patience`; true again only after it has been nearer than ever, or at
   /// its place.
   bool stuck(std::size_t i, const Away& away, double dt) noexcept {
     Robot& robot = robots_[i];
@@ -41,7 +41,7 @@ class ProgressWatch {
     if (robot.told || (robot.waited < patience - 1e-9 && robot.unbeaten < long_patience - 1e-9)) return false;
     return robot.told = true;
   }
-  /// Somebody moved robot i: restarts its time without progress.
+  /// Robot i was moved by hand: restarts its time without progress.
   void restart(std::size_t i) noexcept { robots_[i] = {}; }
 
   static constexpr double patience = 3.0;           ///< [s]

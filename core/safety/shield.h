@@ -25,9 +25,9 @@ struct ShieldParameters {
 /// faster than the gap between them allows:
 ///   minimise sum (v_i - v_i*)^2   s.t.  n_ij . (v_i u_i - v_j u_j) >= -gamma (d_ij - D),   |v_i| <= v_limit,i
 /// with u_i the heading and n_ij the unit vector from j to i. v = 0 always satisfies it, so it is always feasible;
-/// if d < D already, it requires that the gap does not shrink. Turning rates stay as they are: robots go on turning
-/// away. A round obstacle counts as a robot that stands still, and so does the nearest point of each edge of the arena:
-/// a robot that is already over the edge may drive back, never farther out.
+/// if d < D already, it requires that the gap does not shrink. Turning rates stay as they are, so that robots can go on
+/// turning away from each other. A round obstacle counts as a robot that stands still, and so does the nearest point of
+/// each edge of the arena: a robot that is already over the edge may drive back, never farther out.
 class Shield {
  public:
   Shield(std::size_t robots, std::size_t obstacles);

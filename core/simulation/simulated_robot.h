@@ -45,7 +45,7 @@ class SimulatedRobot {
   /// Commanded wheel speeds [steps/s]; they hold until the next command, as on a real robot. Unchanged speeds have no
   /// effect: links do not send them again.
   void command(const WheelSpeeds& commanded) noexcept;
-  /// The same for a robot whose link is emulated: its firmware's commands to the motors, new or unchanged.
+  /// The same for a robot whose link is emulated: these are its firmware's commands to the motors, new or unchanged.
   void turn(const WheelSpeeds& commanded) noexcept;
   /// The step rates of its motors once the current steps have ended.
   WheelSpeeds wheels() const noexcept { return {left_.settled_rate(), right_.settled_rate()}; }
