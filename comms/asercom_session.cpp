@@ -52,7 +52,8 @@ void AsercomSession::hear(std::span<const std::uint8_t> bytes, double now) {
   const Question question = asked();
   const auto reply = parser_.next();
   if (!reply) {
-    // The line "d" answers half a line "D,l,r" that a byte of ours has ended: the robot drives as nobody told it.
+    // The line "d" answers half a line "D,l,r" that a byte of ours has ended: the robot drives at speeds that were
+    // never commanded.
     if (stops_unanswered_ == 0 && begins_with_text(parser_.pending_text())) unasked(now);
     return;
   }

@@ -64,7 +64,7 @@ std::optional<BluezDevice> find(BluezBus& bus, const std::vector<BluezAdapter>& 
   const auto known = bus.objects();
   if (!known) return {};
   for (const BluezDevice& device : known->devices)
-    // A name may come after the address: without it nobody knows what the robot wants to hear.
+    // A name may come after the address; without it the PIN is not known.
     if (on_one_of(adapters, device) && is_called(device, robot) && !device.name.empty()) return device;
   return {};
 }

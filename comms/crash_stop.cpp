@@ -74,7 +74,7 @@ void stop_all() noexcept {
       const int descriptor = entry.descriptor.load();
       if (descriptor < 0) continue;
       if (link_thread_gone && look > 0 && answered(entry, descriptor)) entry.stands.store(true);
-      // Once to everybody: one that stands may have a command on its way.
+      // Once to every robot: one that stands may have a command on its way.
       if (look == 0 || (!entry.stands.load() && look % looks_a_stop == 0)) write_stop(entry, descriptor);
       if (look == 0) entry.stands.store(false);
       all_stand = all_stand && entry.stands.load();

@@ -44,7 +44,8 @@ void LinkSession::lost(std::string reason, double now) {
   output_.clear();
   moving_allowed_ = false;
   garbled_ = false;
-  stop_acknowledged_ = false;  // it may have moved on: whoever was last heard need not be who answers next
+  stop_acknowledged_ = false;  // it may have moved since: the robot that was last heard need not be the one that
+                               // answers next
   reason_ = std::move(reason);
 }
 
@@ -266,7 +267,7 @@ void LinkSession::advance(double now) {
         fmt::format("no reply for {:.3f} s, {:.0f} mm driven: stopped", now - asked_at_, 1e3 * options_.blind_distance),
         now);
   } else if (silence_counts() && now >= commanded_at_ + options_.command_silence) {
-    // Nobody commands any more: the robot must not run on. The stop, not a speed of 0: it is repeated until the robot
+    // No commands come any more: the robot must not run on. The stop, not a speed of 0: it is repeated until the robot
     // has acknowledged it.
     reason_ = fmt::format("no command for {:g} s: stopped", options_.command_silence);
     stop_acknowledged_ = false;

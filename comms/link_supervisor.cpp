@@ -199,7 +199,8 @@ void LinkSupervisor::Loop::command(std::size_t robot, int left, int right) noexc
 
 void LinkSupervisor::Loop::emergency_stop() noexcept {
   emergency_.fetch_or(1u);
-  // Not wake(): in a signal handler on top of a command() that has set the flag and not yet rung, nobody would ring.
+  // Not wake(): in a signal handler that interrupts a command() which has set the flag and not yet rung, the wake-up
+  // would be lost.
   woken_.store(true);
   ring();
 }
@@ -255,7 +256,7 @@ std::vector<LinkStatus> LinkSupervisor::Loop::close(double timeout_s) {
 
 void LinkSupervisor::Loop::run() noexcept {
   crash_.runs_here();
-  // Real-time priority where the system grants it, above the control thread's: a stop waits for nobody's computation.
+  // Real-time priority where the system grants it, above the control thread's: a stop waits for no computation.
   sched_param priority{};
   priority.sched_priority = 21;
   ::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &priority);

@@ -81,7 +81,7 @@ void attach_guard(int socket, HeartbeatPage& shared) {
   HeartbeatPage* const before = page.load();
   for (std::size_t i = 0; i < most_hearts && before != &shared; ++i) {
     shared.hearts[i].limit.store(before->hearts[i].limit.load());
-    // From now: whoever moved the beats here was not silent.
+    // From now on: the thread whose beats were moved here was not silent.
     shared.hearts[i].beat.store(before->hearts[i].beat.load() == 0 ? 0 : monotonic_ns());
   }
   page.store(&shared, std::memory_order_release);

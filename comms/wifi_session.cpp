@@ -46,7 +46,7 @@ void WifiSession::hear(std::span<const std::uint8_t> bytes, double now) {
 
 void WifiSession::packet(const WifiPacket& packet, double now) {
   if (!packet.sensors) return;
-  read_counters(packet.encoders, now, now);  // nobody asked: how long they were on their way is not known
+  read_counters(packet.encoders, now, now);  // unsolicited: their time in flight is not known
   read_battery(packet.battery, now);
   // What came before the request had gone out says nothing about it.
   if (!output_.empty()) return;

@@ -30,7 +30,7 @@ y = 0.31
 radius = 0.04
 )";
 
-/// Says whether everybody was told to stand in the newest row.
+/// Says whether all robots were commanded to stand in the newest row.
 class LastRow final : public RecordSink {
  public:
   void record(const TickRecord& record) override {

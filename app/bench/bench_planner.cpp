@@ -107,7 +107,7 @@ struct PlanningCost {
     repeated = repeated && ticks.repeated;
     law = std::max(law, ticks.law);
     period = ticks.period;
-    // The plan for everybody at first: until most drive. (Planning goes on for better ones.)
+    // The first plan for all robots: until most drive. (Planning goes on for better ones.)
     double seconds = 0.0, count = 0.0;
     for (std::size_t k = 0; k < ticks.nodes.size() && ticks.nodes[k] > 0 && !ticks.most_drive[k]; ++k)
       seconds += ticks.seconds[k], ++count;

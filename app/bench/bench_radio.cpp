@@ -60,7 +60,7 @@ void lap(benchmark::State& state) {
   }
 }
 
-/// Ten seconds at 0.09 m/s; a lost robot stops nobody else.
+/// Ten seconds at 0.09 m/s; a lost robot stops no other robot.
 Experiment faulty_run() {
   Experiment experiment = platoon(4);
   experiment.duration = 10.0;

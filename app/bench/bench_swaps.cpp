@@ -24,7 +24,7 @@ constexpr double lasts = 90.0, near_enough = 0.01;     // [s], [m]
 constexpr double touch = 2.0 * core::standard_radius;  // between the midpoints of two bodies that touch [m]
 
 struct SwapOutcome {
-  std::optional<double> arrived;  // everybody, for good [s]
+  std::optional<double> arrived;  // all robots, for good [s]
   double least = INFINITY;        // between two midpoints [m]
 };
 

@@ -155,8 +155,8 @@ core::IdentificationInput drive(const Manoeuvre& manoeuvre, const Individual& in
   return input;
 }
 
-/// How far off it is after a minute of bends to both sides, driven blindly by somebody who takes its wheels for these;
-/// without slip, which is chance and known to nobody. [m]
+/// How far off it is after a minute of bends to both sides in open loop, if its wheels are believed to be these;
+/// without slip, which is random. [m]
 double drift(const core::DifferentialDrive& believed, const core::DifferentialDrive& really) {
   constexpr double seconds = 60.0, v = 0.05;
   core::Pose wanted, pose;

@@ -19,7 +19,7 @@ struct HalfArena {
 class SwapMethod {
  public:
   virtual ~SwapMethod() = default;
-  /// One step of dt [s]: what each robot does next. `commands` are those of the step before, and are replaced.
+  /// One step of dt [s]: what each robot does next. `commands` are those of the previous step, and are replaced.
   virtual void step(std::span<const core::Pose> poses, std::span<const core::Pose> places, double dt,
                     std::span<core::Twist> commands) = 0;
 };

@@ -111,7 +111,7 @@ std::optional<Looked> look(const FloorRequest& request, bool need_world, int& st
     status = fail_with(sight.error(), device_failed);
     return {};
   }
-  // Fewer frames than asked for would do for a solution, but whoever presses Ctrl-C wants none.
+  // Fewer frames than requested would do for a solution, but a user who presses Ctrl-C wants none.
   if (interrupted()) {
     status = fail_with("interrupted; nothing was written", device_failed);
     return {};

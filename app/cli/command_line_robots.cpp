@@ -38,7 +38,7 @@ void RobotCommands::add_to(CLI::App& program) {
 
   test_ = add("test",
               "Asks robots for version and battery, turns each wheel 10 mm, and reports their faults; with a camera it "
-              "checks their tags, and drives them 6 cm and half a turn to measure their wheels");
+              "checks their tags, and drives them 6 cm and turns them to measure their wheels");
   test_->add_option("robots", request_.words, which)->required();
   CLI::Option* const camera = test_
                                   ->add_option("--camera", request_.camera,

@@ -99,7 +99,7 @@ class Stops {
   }
   bool any() const noexcept { return !wanted_.empty(); }
 
-  /// Through the runs and guards that hold them, all of these runs where `every_run`; then whoever is left by a
+  /// Through the runs and guards that hold them, all of these runs where `every_run`; then the remaining robots over a
   /// connection. True: all are known to stand.
   bool carry_out(bool every_run, std::vector<RunMarker> runs = all_markers()) {
     if (!every_run) resolve_names();
@@ -271,7 +271,7 @@ int stop_robots(const std::vector<std::string>& words, const std::string& file) 
     print_out(
         fmt::format("no run is active or has left a robot behind, and no robot is known: there is no {}\n", path));
   const bool all = stops.carry_out(/*every_run=*/all_known);
-  // Only now: what is wrong with a file must keep nobody from being stopped.
+  // Only now: a mistake in a file must not keep any robot from being stopped.
   for (const std::string& problem : problems) print_error(problem + "\n");
   if (problems.empty())
     for (const std::string& word : words)

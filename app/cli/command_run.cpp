@@ -199,12 +199,12 @@ int run(const RunRequest& request) {
       status_of_report = wrong_input;
     }
   if (kept) summary.kept = kept->folder();
-  constexpr double reader_patience = 60.0;  // the robots stand: whoever reads may take its time [s]
+  constexpr double reader_patience = 60.0;  // the robots stand: the reader may take its time [s]
   if (!request.quiet) print_out(request.json ? as_json(summary) + "\n" : as_lines(summary), reader_patience);
 
   const RunVerdict verdict = verdict_of(summary, *experiment);
   for (const std::string& sentence : verdict.problems) complain(sentence);
-  // Last: everybody knows how the run went.
+  // Last, when all results are known.
   if (kept) keep(summary, verdict.exit_status, verdict.problems, request.video);
   return verdict.exit_status != done ? verdict.exit_status : status_of_report;
 }

@@ -64,7 +64,7 @@ constexpr std::uint32_t architecture = AUDIT_ARCH_AARCH64;
 constexpr std::uint32_t architecture = 0;  // no filter: RLIMIT_NPROC alone
 #endif
 
-/// A filter of system calls: nobody leaves the group; and where `forks` is false, threads alone may be started.
+/// A filter of system calls: no process can leave the group; if `forks` is false, only threads may be started.
 std::vector<sock_filter> filter(bool forks) {
   std::vector<sock_filter> code;
   const auto add = [&](std::uint16_t what, std::uint32_t value, std::uint8_t yes = 0, std::uint8_t no = 0) {
@@ -310,7 +310,7 @@ bool BoundedProcess::reap(double patience) {
       const std::lock_guard lock(mutex_);
       if (reaped_) return true;
       siginfo_t info{};
-      // Only looked at: while the leader is not reaped, its group's number is nobody else's.
+      // Only looked at: while the leader is not reaped, no other group has its number.
       if (::waitid(P_PID, static_cast<id_t>(process_), &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid != 0) {
         ::kill(-process_, SIGKILL);  // whom it left behind
         gone_.store(true);

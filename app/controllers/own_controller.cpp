@@ -28,7 +28,7 @@ namespace skein::app {
 namespace {
 
 constexpr double start_patience = 20.0;   // an interpreter and its libraries come from a cold disk [s]
-constexpr double waiting_deadline = 0.5;  // where nobody's clock runs [s]
+constexpr double waiting_deadline = 0.5;  // where no clock runs by itself [s]
 constexpr double preview_deadline = 2.0;  // of a process that has the lowest priority [s]
 constexpr int late_too_often = 25;        // in a row
 constexpr double watch_seconds = 2e-4;    // an answer that comes sooner costs no sleep and no waking up [s]
@@ -60,7 +60,7 @@ void put_point(double (&field)[5], const core::ReferencePoint& point) noexcept {
 
 }  // namespace
 
-/// The memory that both see. Sealed, so that nobody can take it away under the other.
+/// The shared memory. Sealed, so that neither process can shrink it under the other.
 struct OwnController::Memory {
   int file = -1;
   skein_memory* at = nullptr;

@@ -52,9 +52,9 @@ class OwnController {
   /// How long before a question `wake` is best called: longer than an idle processor takes to wake up. [s]
   static constexpr double wake_lead = 5e-4;
   /// Announces a question: the process wakes up and watches for it, for 3 ms at most, so that the tick does not wait
-  /// for an idle processor. Optional. Nothing happens unless the process has said that it knows this: another one would
-  /// answer the question before once more, while its answer is read. Control thread only; one system call, on its own
-  /// pipe.
+  /// for an idle processor. Optional. Nothing happens unless the process has declared that it knows announcements: any
+  /// other process would answer the previous question again, while its answer is read. Control thread only; one system
+  /// call, on its own pipe.
   void wake() noexcept;
   /// Asks, and waits for the answer at most until the deadline. After 25 late answers in a row it is killed. Control
   /// thread only: no allocation, no lock; its only system calls are on its own pipes.

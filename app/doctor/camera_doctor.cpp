@@ -255,7 +255,7 @@ tl::expected<CameraReport, std::string> examine_camera(const CameraCase& wanted)
         report.findings.push_back(std::move(finding));
       break;
     case vision::Connection::network:
-      source->reset();  // a camera that somebody reads tells nothing
+      source->reset();  // a camera that is being read does not answer
       constexpr std::string_view formats = "formats: ";
       if (const auto lines = address->kind->describe(address->where))
         for (const std::string& line : *lines)

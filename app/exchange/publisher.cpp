@@ -47,7 +47,7 @@ class Socket {
   Socket& operator=(const Socket&) = delete;
   ~Socket() { ::close(descriptor_); }
 
-  /// All or, where the network takes nothing for 0.1 s, fewer. Nobody who listens is no failure: somebody may later.
+  /// Sends all, or fewer if the network takes nothing for 0.1 s. A missing receiver is no failure: one may come later.
   bool send(const std::vector<std::string>& datagrams) const {
     constexpr int patience_ms = 100;
     for (const std::string& datagram : datagrams) {

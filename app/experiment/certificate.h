@@ -87,8 +87,8 @@ struct Certificate {
   }
 };
 
-/// Goes through the whole reference at the experiment's rate; of laps that are alike, through the first and the last. A
-/// certificate that is no longer wanted says nothing, and comes at once.
+/// Goes through the whole reference at the experiment's rate; of laps that are alike, through the first and the last.
+/// If `stop` is requested, returns at once, with a certificate that is not valid.
 Certificate certify(const Experiment& experiment, const std::stop_token& stop = {});
 
 /// The smallest over all robots on the straightest, the tightest and the fastest part of their references.

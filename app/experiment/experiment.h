@@ -270,12 +270,12 @@ struct StagingSpec {
 /// What the group does when a robot's link is lost.
 struct FailureSpec {
   enum class LinkLost {
-    all_stop,      ///< STOP for everybody
+    all_stop,      ///< STOP for all robots
     others_go_on,  ///< that robot is held, until the operator releases it
   };
   LinkLost link_lost = LinkLost::all_stop;
   enum class CameraMoved {
-    all_stop,  ///< STOP for everybody
+    all_stop,  ///< STOP for all robots
     go_on,     ///< an event reports it, and the run goes on with wrong poses
   };
   CameraMoved camera_moved = CameraMoved::all_stop;

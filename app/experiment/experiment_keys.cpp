@@ -124,7 +124,7 @@ const std::vector<ExperimentKey>& all_keys() {
        NumberKey{[](E& e) -> auto& { return e.avoidance.horizon; }, [](Limits) { return between(0.0, 60.0, "s"); }}},
       {"avoidance", "formation_waits", "plan: the formation slows down while one of its robots is on its way back",
        FlagKey{[](E& e) -> auto& { return e.avoidance.formation_waits; }}},
-      {"avoidance", "improve", "plan: better ways are searched for while robots drive; false: each keeps its first",
+      {"avoidance", "improve", "plan: better routes are searched for while robots drive; false: each keeps its first",
        FlagKey{[](E& e) -> auto& { return e.avoidance.improve; }}},
 
       {"shield", "enabled", "forward speeds are changed so that no two robots come too close",
@@ -172,7 +172,7 @@ const std::vector<ExperimentKey>& all_keys() {
        NumberKey{[](E& e) -> auto& { return e.camera.defocus_time; },
                  [](Limits) { return between(0.0, longest_run, "s"); }}},
       {"camera", "mark_moved_at",
-       "for practice: when somebody moves the first mark on the floor by 50 mm, counted from the camera's opening",
+       "for practice: when the first mark on the floor is moved by 50 mm, counted from the camera's opening",
        OptionalNumberKey{[](E& e) -> auto& { return e.camera.mark_moved_at; },
                          [](Limits) { return between(0.0, longest_run, "s"); }}},
       {"camera", "lost_at", "for practice: when the synthetic camera is lost, counted from its opening",

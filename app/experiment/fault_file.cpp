@@ -53,7 +53,7 @@ std::optional<Fault> read_fault(TomlTable& table, std::size_t robots) {
   if (!table.has("kind")) return {};
   std::optional<FaultKind> kind;
   table.choice("kind", kind);
-  if (!kind) return {};  // which keys it may have nobody knows
+  if (!kind) return {};  // without a kind its keys are not known
   fault.kind = *kind;
   table.integer("robot", robot, 1, static_cast<std::int64_t>(robots));
   if (robot) fault.robot = static_cast<std::size_t>(*robot - 1);

@@ -30,7 +30,7 @@ FileChange::FileChange(FileChange&& other) noexcept
 
 FileChange::~FileChange() {
   if (draft_ < 0) return;
-  ::unlink(draft_path().c_str());  // while it is locked: nobody else has it
+  ::unlink(draft_path().c_str());  // while it is locked: no other program has it
   ::close(draft_);
 }
 
@@ -44,7 +44,7 @@ tl::expected<FileChange, std::string> FileChange::begin(const std::string& path)
   if (!directory.empty()) fs::create_directories(directory, error);  // what is wrong with it, open says
   // A link to the file that is shared between machines stays a link.
   FileChange change(path, fs::is_symlink(path, error) ? fs::canonical(path, error).string() : path, -1);
-  // Whoever had the lock before may have given its draft the name of the file, or have removed it.
+  // The previous holder of the lock may have given its draft the name of the file, or have removed it.
   while (true) {
     const int draft = ::open(change.draft_path().c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
     if (draft < 0) return failed(path);

@@ -153,7 +153,7 @@ double Watch::silence(std::int64_t now) const {
   return 1e-9 * static_cast<double>(longest);
 }
 
-/// A robot that nobody but the guard can stop.
+/// A robot that only the guard can stop.
 struct Orphan {
   comms::LinkAddress address;
   std::atomic<bool> stopped{false};
@@ -166,8 +166,8 @@ struct Orphan {
   }
 };
 
-/// A marker that a person may dismiss, also while nobody listens at the stop socket. That it is gone says nothing:
-/// somebody may have tidied up.
+/// A marker that the user may dismiss, also while the stop socket is not served. If the file is gone, that means
+/// nothing: it may have been tidied up.
 class WatchedMarker {
  public:
   explicit WatchedMarker(const std::string& path)
@@ -183,7 +183,8 @@ class WatchedMarker {
   int descriptor_;  // as long as the process lives
 };
 
-/// Reaches the robots anew, each on a thread of its own, until all are known to stand. False: somebody said otherwise.
+/// Reaches the robots anew, each on a thread of its own, until all are known to stand. False: the user dismissed the
+/// marker.
 bool reach(const RunMarker& run, const WatchedMarker& marker, const std::vector<comms::LinkAddress>& robots) {
   auto orphans = std::make_shared<std::vector<std::unique_ptr<Orphan>>>();  // threads may outlive this function
   for (const comms::LinkAddress& address : robots) {
@@ -250,7 +251,7 @@ int guard(const std::string& marker, int descriptor) {
   priority.sched_priority = 22;  // where the system grants it, above the threads that it watches
   ::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &priority);
   const MemoryLock memory;  // where it is granted: the disk may stall when the guard is needed
-  // Whoever waits for the end of the run's output must not wait for the guard.
+  // A reader that waits for the end of the run's output must not wait for the guard.
   if (const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC); nowhere >= 0) ::dup2(nowhere, STDOUT_FILENO);
   const WatchedMarker watched(marker);
   auto run = RunMarker::read(marker);  // now: it must not depend on a disk later

@@ -31,7 +31,7 @@ bool owned(const struct stat& what) noexcept {
   return what.st_uid == ::geteuid() && (what.st_mode & (S_IWGRP | S_IWOTH)) == 0;
 }
 
-/// Whether markers there are this user's alone. One that cannot be made is left to whoever writes there, to say why.
+/// Whether markers there are this user's alone. If the directory cannot be made, writing the marker will report why.
 bool trustworthy(const fs::path& directory) {
   std::error_code ignored;
   if (!fs::exists(directory, ignored)) {
@@ -175,7 +175,7 @@ tl::expected<int, std::string> write_there(const RunMarker& marker) {
     ::unlink(marker.path.c_str());
     return error;
   }
-  // The name as well: a marker that a power cut took away would be a robot that nobody knows of.
+  // The name as well: if a power cut removed the marker, its robots would be unknown.
   if (const int directory = ::open(fs::path(marker.path).parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
       directory >= 0) {
     ::fsync(directory);

@@ -259,7 +259,7 @@ void SafetyNet::Keeper::done(const std::vector<StopResult>& robots) {
   drop_guard();
   const pid_t guard = guard_.exchange(-1);
   if (!well || guard <= 0) return;
-  // It ends at once, unless it is frozen; nobody waits for that.
+  // It ends at once, unless it is frozen; this is not waited for.
   for (int look = 0; look < 500 && ::waitpid(guard, nullptr, WNOHANG) == 0; ++look)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }

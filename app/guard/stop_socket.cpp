@@ -113,7 +113,7 @@ void StopSocket::turn(const std::function<void(std::string_view word)>& heard,
     const int caller = ::accept4(listening_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
     if (caller < 0) break;
     std::array<char, 16> word{};
-    // Who calls has the word ready; somebody who has not must not hold up the rest.
+    // A client has its word ready; one that has not must not hold up the others.
     const ssize_t size = same_user(caller) && readable(caller, 0.05) ? ::read(caller, word.data(), word.size()) : 0;
     std::string_view said(word.data(), static_cast<std::size_t>(std::max<ssize_t>(0, size)));
     if (said.ends_with('\n')) said.remove_suffix(1);
@@ -148,7 +148,7 @@ StopAnswer ask_run(const std::string& path, std::string_view word, double patien
     ~Close() { ::close(descriptor); }
   } const close{descriptor};
   const auto connect = [&](const sockaddr* address, socklen_t size) { return ::connect(descriptor, address, size); };
-  // EAGAIN: too many have called already, and nobody has answered them.
+  // EAGAIN: too many clients are waiting already, and none has been answered.
   answer.reached = with_address(path, connect) == 0 || errno == EAGAIN;
   if (!answer.reached || !same_user(descriptor, &answer.process)) return answer;
   send_text(descriptor, word);

@@ -61,7 +61,7 @@ bool read_events(std::string_view cell, EventList& events) {
     const std::size_t end = std::min(cell.find(joint), cell.size());
     if (const std::optional<Event> event = parse_event(cell.substr(0, end)))
       events.add(*event);
-    else if (!cell.starts_with('+'))  // "+2 more": nobody knows which
+    else if (!cell.starts_with('+'))  // "+2 more": unknown which
       return false;
     cell.remove_prefix(std::min(end + joint.size(), cell.size()));
   }

@@ -53,7 +53,7 @@ int open_draft(const std::string& draft) {
     struct stat opened {
     }, there{};
     const bool locked = ::flock(file, LOCK_EX | LOCK_NB) == 0;
-    // Whoever had it may have given it its name just before.
+    // Its previous holder may have renamed it just before.
     if (locked && ::fstat(file, &opened) == 0 && ::lstat(draft.c_str(), &there) == 0 && opened.st_ino == there.st_ino &&
         ::ftruncate(file, 0) == 0)
       return file;
@@ -293,7 +293,7 @@ void DiskWriter::State::run() noexcept {
     ended = true;
     written.notify_all();
   } catch (...) {
-    ended = true;  // no memory: whoever waits gives up by itself
+    ended = true;  // no memory: waiting callers give up by themselves
   }
 }
 

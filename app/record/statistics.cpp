@@ -91,7 +91,7 @@ void Statistics::record(const TickRecord& record) {
     so_far_.largest_lag = std::max(so_far_.largest_lag.value_or(0.0), record.lag);
     so_far_.final_lag = record.lag;
   }
-  if (record.phase == Phase::running) {  // else all references rest, and nobody has arrived by that
+  if (record.phase == Phase::running) {  // otherwise all references rest, which does not count as arrival
     const bool there = sample.tracking <= arrived_within &&
                        std::all_of(record.robots.begin(), record.robots.end(),
                                    [](const RobotRecord& robot) { return robot.nominal.twist == core::Twist{}; });
@@ -142,7 +142,7 @@ void Statistics::count_collisions(const TickRecord& record) {
     }
   };
   const auto runs_away = [&](std::size_t i) { return experiment_.robots[i].runs_away(record.now); };
-  /// Of two of which one obeys nobody: a collision only if the other one drove towards it.
+  /// If one of the two ignores commands: a collision only if the other one drove towards it.
   std::int64_t none_of_ours = 0;
   const auto kind = [&](std::size_t i, std::size_t j) -> std::int64_t& {
     if (!runs_away(i) && !runs_away(j)) return so_far_.collisions;

@@ -37,8 +37,8 @@ struct PerturbationResult {
   int robot = -1;
   std::string what;  ///< as in the log
   Settling settling;
-  /// How far a robot that was not moved left its place for those that were: the largest of all, until the next
-  /// perturbation. [m]
+  /// How far a robot that was not moved left its place because of those that were moved: the largest of all, until the
+  /// next perturbation. [m]
   double others_away = 0.0;
   /// The paper's claim, at 1 cm: the formation settled, and before tracking did.
   bool formation_first() const noexcept;
@@ -48,7 +48,7 @@ struct PerturbationResult {
 
 /// The summary of a run, computed row by row, in memory that does not grow with its length (except for its first 10,000
 /// events and perturbations). Perturbations and moves less than 0.2 s apart count as one, from the last of them on: a
-/// hand that carries a robot is one disturbance.
+/// robot that is carried by hand is disturbed once.
 class Statistics final : public RecordSink {
  public:
   explicit Statistics(const Experiment& experiment);

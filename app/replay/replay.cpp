@@ -29,7 +29,7 @@ bool same_bits(double a, double b) noexcept {
   return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
 }
 
-/// When the newest frame of a camera that a tick knew of was taken; a frame in which nobody was seen need not be known.
+/// When the newest frame of a camera that a tick knew of was taken; a frame in which no robot was seen may be unknown.
 double newest_capture(std::span<const core::Measurement> by_camera) noexcept {
   double newest = core::Measurement{}.captured_at;
   for (const core::Measurement& seen : by_camera) newest = std::fmax(newest, seen.captured_at);
@@ -62,7 +62,7 @@ void compare_poses(const TickRecord& row, std::span<const core::Measurement> rec
   for (std::size_t i = 0; i < again.size(); ++i) {
     const core::Measurement &a = recorded[i], &b = again[i];
     ++result.poses;
-    if (std::isnan(a.captured_at)) continue;  // nobody had seen it yet
+    if (std::isnan(a.captured_at)) continue;  // not seen yet
     const Value values[] = {{"x_meas", a.pose.x, b.pose.x},
                             {"y_meas", a.pose.y, b.pose.y},
                             {"theta_meas", a.pose.theta, b.pose.theta},
@@ -118,7 +118,7 @@ void compare(const TickRecord& recorded, const TickRecord& again, ReplayResult& 
   }
 }
 
-/// What a controller asks for now, against what it asked for then. Of a robot that is out nobody asks.
+/// Compares a controller's present commands with the recorded ones. A robot that is out is not compared.
 void compare_answers(const TickRecord& recorded, const OwnController& again, ReplayResult& result) {
   if (again.state() != ControllerState::answered) {
     ++result.answers_late;

@@ -24,17 +24,17 @@ void catch_interrupts() noexcept {
   // The end of the terminal and whatever else would end the program without a word is SIGTERM.
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGPROF, SIGXCPU, SIGPOLL})
     ::sigaction(signal, &action, nullptr);
-  // A reader of our output that has gone, a file that has grown too large, a terminal that lets nobody write from the
-  // background: errors of writing, not the end of a run, nor its standstill.
+  // A reader of our output that has gone, a file that has grown too large, a terminal that blocks writing from the
+  // background: these are errors of writing; they neither end nor block a run.
   for (const int signal : {SIGPIPE, SIGXFSZ, SIGTTOU, SIGTTIN}) std::signal(signal, SIG_IGN);
-  // Whoever started the program may have held signals back, and that is inherited: it could not be stopped.
+  // The program that started this one may have blocked signals, which is inherited: this program could not be stopped.
   sigset_t all;
   sigfillset(&all);
   ::sigprocmask(SIG_UNBLOCK, &all, nullptr);
 }
 
 bool interrupt_when_closed(int pipe) noexcept {
-  // The kernel sends SIGIO (SIGPOLL): no thread need wait for it. Nobody writes to the pipe.
+  // The kernel sends SIGIO (SIGPOLL): no thread needs to wait for it. Nothing is written to the pipe.
   const int flags = ::fcntl(pipe, F_GETFL);
   if (flags < 0 || ::fcntl(pipe, F_SETFD, FD_CLOEXEC) < 0 || ::fcntl(pipe, F_SETOWN, ::getpid()) < 0 ||
       ::fcntl(pipe, F_SETFL, flags | O_ASYNC) < 0)

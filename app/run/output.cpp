@@ -39,7 +39,7 @@ class Stream {
       const bool written = written_.wait_for(lock, std::chrono::duration<double>(patience),
                                              [this] { return waiting_.empty() && !writing_; });
       stuck_ = !written;
-    } catch (...) {  // no memory, no thread: there is nobody left to tell
+    } catch (...) {  // no memory, no thread: there is no way left to report it
     }
   }
 
@@ -57,7 +57,7 @@ class Stream {
         lock.unlock();
         for (std::string_view rest = text; !rest.empty();) {
           const ssize_t count = ::write(descriptor_, rest.data(), rest.size());
-          if (count < 0 && errno == EAGAIN) {  // somebody else made it so
+          if (count < 0 && errno == EAGAIN) {  // another program has made it non-blocking
             std::this_thread::sleep_for(std::chrono::milliseconds(5));
             continue;
           }

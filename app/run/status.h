@@ -52,7 +52,7 @@ struct MarksStatus {
 struct UnseenTag {
   int tag = -1;  ///< none: the sentence is about the camera
   core::NotSeen why = core::NotSeen::not_found;
-  std::string sentence{};  ///< see vision::sentence; empty: nobody has looked yet
+  std::string sentence{};  ///< see vision::sentence; empty: not looked for yet
   double size = none;      ///< its edge on the plane of the tags [m]; none: it was not found
   std::shared_ptr<const Picture>
       picture{};       ///< the part of the frame that shows it, or where it was last seen; or null

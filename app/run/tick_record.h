@@ -174,8 +174,8 @@ constexpr std::string_view word(Stage stage) noexcept {
 }
 inline constexpr std::size_t stages = core::all_of<Stage>().size();
 
-/// Durations of the stages of the tick BEFORE the record's, since its robots have answered by now. [s]; none: not
-/// known, or no such stage
+/// Durations of the stages of the PREVIOUS tick, since its robots have answered by now. [s]; none: not known, or no
+/// such stage
 struct Latency {
   std::array<double, stages> of = [] {
     std::array<double, stages> unknown{};
@@ -199,7 +199,7 @@ struct TickRecord {
   double V = 0.0, V_dot = 0.0;                ///< (19), (20)
   std::vector<double> delta;                  ///< (37) for neighbours i, i+1: size n-1 [m]
   double min_distance = none;                 ///< between any two robots, true poses where known [m]
-  double period = none;                       ///< since the tick before [s]
+  double period = none;                       ///< since the previous tick [s]
   double lag = 0.0;                           ///< of the formation's clock, which `nominal` follows, behind t [s]
   std::size_t planning = 0;                   ///< search nodes expanded for routes
   double compute_time = none;  ///< duration of the tick [s]; none on the virtual clock, so that runs repeat to the bit

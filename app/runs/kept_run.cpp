@@ -101,7 +101,7 @@ Done note_file(Json& files, const fs::path& folder, const std::string& name) {
   return {};
 }
 
-/// A folder that nobody else has.
+/// A new folder, which no other run uses.
 tl::expected<std::string, std::string> new_folder(const std::string& directory, const std::string& name) {
   std::error_code error;
   fs::create_directories(directory, error);

@@ -82,7 +82,7 @@ tl::expected<void, std::string> RunKeeper::end(const SessionFacts& facts, const 
     if (!takes_rows_) return {};
     takes_rows_ = false;
   }
-  try {  // nobody else touches them any more
+  try {  // no other thread uses them any more
     file_->finish();
   } catch (const std::exception& error) {
     const std::lock_guard lock(mutex_);

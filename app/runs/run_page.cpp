@@ -15,7 +15,7 @@ namespace {
 
 /// A file that lies in this folder itself; empty: there is none of this name.
 std::string bytes_in(const std::filesystem::path& folder, const std::filesystem::path& name) {
-  // Whatever somebody wrote into run.json: no other file gets into the page.
+  // Whatever run.json says: no file outside the folder gets into the page.
   std::error_code ignored;
   if (name.has_parent_path() || !std::filesystem::is_regular_file(folder / name, ignored)) return {};
   std::ifstream file(folder / name, std::ios::binary);

@@ -257,7 +257,7 @@ void CameraRig::thread(const std::stop_token& stop) {
   ask_for_priority(camera_priority);  // refused: the control thread's was as well, and says so
   try {
     await_source(stop);
-    // Half a period out of step with the control thread, as far as a camera that nobody triggers can be.
+    // Half a period out of step with the control thread, as far as a camera without a trigger can be.
     double deadline = clock_.now() + 0.5 * experiment_.period();
     while (!stop.stop_requested()) {
       if (!live_) {
@@ -414,13 +414,14 @@ UnseenTag CameraRig::unseen_tag(const vision::Frame& frame, const vision::TagDia
   return unseen;
 }
 
-/// Whoever was seen and has not been seen for half a second is asked about, once, at the camera that saw it last. A
-/// frame tells of all of them.
+/// For each robot that was seen and has not been seen for half a second, the reason is requested once, from the camera
+/// that saw it last. One frame serves for all of them.
 void CameraRig::explain_absences() {
   constexpr double between = 2.0, between_searches = 5.0;  // [s]
   const double now = frame_.captured_at;
   missing_.clear();
-  // Whoever was never seen is looked for again and again: the operator mends tags, light and camera meanwhile.
+  // A robot that was never seen is looked for again and again, since the operator may correct tags, light and camera
+  // meanwhile.
   const bool search = clock_.wall() && !(now < next_search_);
   if (search) next_search_ = now + between_searches;
   for (std::size_t i = 0; i < absences_.size(); ++i) {
@@ -500,7 +501,7 @@ void CameraRig::look_at_marks(const vision::Frame& frame) {
     marks_.known = vision::tells(sight->state);
     marks_.moved = moved ? std::optional(event) : std::nullopt;
     marks_.sentence = prefix_ + sentence;
-    // That nobody drives any more is said by whoever stops them.
+    // The part that stops the robots reports that they are stopped.
     if (news && !well && (!moved || goes_on)) alarms_.push_back(prefix_ + sentence);
     if (news && moved) found_out_.push(event);
   }

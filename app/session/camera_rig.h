@@ -96,8 +96,8 @@ class CameraRig {
   /// Waits until the newest frame was ready at `since` or later, at most until `until`. Wall clock only; control thread
   /// only. [s, session's clock]
   void wait_for_frame(double since, double until) noexcept;
-  /// The same without sleeping, for a frame that is due at any moment: a sleeper is woken by an interrupt from the
-  /// camera's processor to its own, which costs some 20 us more than one's own timer in a virtual machine, and any
+  /// The same without sleeping, for a frame that is due at any moment. A sleeping thread is woken by an interrupt from
+  /// the camera's processor to its own; in a virtual machine this takes some 20 us longer than its own timer, plus any
   /// delay of that interrupt. Wall clock only; control thread only. [s, session's clock]
   void watch_for_frame(double since, double until) const noexcept;
 

@@ -122,7 +122,7 @@ void ControlLoop::cycle(double now, int elapsed) {
   const auto is_behind = [](const RobotRecord& r) {
     return r.is(lost) || !at_start(r.pose, r.nominal.pose, staged_tolerance);
   };
-  // Whoever stands is named first: the others may wait for it.
+  // A robot that stands is named first: the others may wait for it.
   auto behind = std::find_if(record.robots.begin(), record.robots.end(),
                              [&](const RobotRecord& r) { return is_behind(r) && r.is(stopped); });
   if (behind == record.robots.end()) behind = std::find_if(record.robots.begin(), record.robots.end(), is_behind);
@@ -150,7 +150,7 @@ void ControlLoop::ask_controller() noexcept {
   input_.controller = controller_->state();
 }
 
-/// Where the tick has stopped everybody for a bumped camera, so do the links.
+/// If the tick has stopped all robots because of a bumped camera, so do the links.
 void ControlLoop::heed_camera(const TickRecord& record) noexcept {
   if (record.phase != Phase::stopped || camera_moved_.load(std::memory_order_relaxed)) return;
   for (const Event& event : record.events)
@@ -261,7 +261,7 @@ std::size_t ControlLoop::room_for_events(const EventList& events) const noexcept
 /// What the operator asks of this tick. A step is a resume (or the start) now and a pause at the tick that follows: the
 /// record of it can be replayed like any other. What the tick's events have no room for waits for the next tick.
 void ControlLoop::take_commands(const EventList& events) {
-  // A robot whose link is lost is held, until the operator releases it: whoever broke the link may have a hand at it.
+  // A robot whose link is lost is held, until the operator releases it: somebody may be handling the robot.
   auto first = obeyed_.begin();
   for (const Event& event : events)
     if (const auto* const link = std::get_if<events::Link>(&event); link && link->state != LinkState::up)
@@ -415,8 +415,8 @@ void ControlLoop::wake_controller(const TickTimer::Window& window) noexcept {
   controller_->wake();
 }
 
-/// Waits until a paced simulation's next tick is due, or the operator asks for something: at a tenth of real time
-/// nobody waits for a tick to see a button obeyed. `last`: when the tick before was due. The result: how late it is.
+/// Waits until a paced simulation's next tick is due, or the operator gives a command: at a tenth of real time the
+/// response to a button must not wait for a tick. `last`: when the previous tick was due. The result: how late it is.
 /// [s]
 double ControlLoop::pace(std::chrono::steady_clock::time_point& last, const std::stop_token& stop) {
   using Clock = std::chrono::steady_clock;

@@ -80,7 +80,7 @@ class ControlLoop {
     float distance = 0.0F;    ///< [m]
   };
   NotStaged not_staged() const noexcept { return not_staged_.load(std::memory_order_acquire); }
-  /// For how long the control thread stalled when that caused a STOP [s]; 0: it did not. Only with real robots: their
+  /// How long the control thread's stall lasted that caused a STOP [s]; 0: there was none. Only with real robots: their
   /// links or the guard have stopped them meanwhile, and none drives on by itself afterwards.
   double stood_still() const noexcept { return stood_still_.load(std::memory_order_acquire); }
   /// The event that showed that a camera was moved, if that stopped all robots: CameraMoved or CamerasDisagree; empty:

@@ -78,7 +78,7 @@ void Forecast::perturb(double t, TickInput& input) {
   for (; running && next_perturbation_ < experiment_.perturbations.size(); ++next_perturbation_) {
     const Perturbation& p = experiment_.perturbations[next_perturbation_];
     if (!is_due(p.t, t)) break;
-    if (!exact()) continue;  // by then somebody else's hand, at another place
+    if (!exact()) continue;  // the place from which the run will perturb it is not known yet
     input.events.add(events::Perturb{p.robot, p.dx, p.dy, p.dtheta});
     carry_out(events::Perturb{p.robot, p.dx, p.dy, p.dtheta}, floor_ahead_);
   }

@@ -15,10 +15,10 @@
 
 namespace skein::app {
 
-/// What a run will do. It follows the run's records with a tick and a floor of its own, and computes ahead from there,
-/// as often as requested. One thread at a time, never the control thread.
-/// A controller of the user's own is not asked about futures: its answers could change. A second process of it is, a
-/// fresh one each time, so that it remembers nothing: neither the run nor the previous future.
+/// Computes what a run will do. It follows the run's records with a tick and a floor of its own, and computes ahead
+/// from there, as often as requested. One thread at a time, never the control thread. The run's own controller takes no
+/// part in a forecast: its later answers could change. A second process of it does, started anew for each forecast, so
+/// that it remembers neither the run nor the previous forecast.
 class Forecast {
  public:
   /// Why this experiment's future cannot be computed, if so.

@@ -16,7 +16,7 @@
 namespace skein::app {
 namespace {
 
-constexpr double longest_standstill = 0.5;  // of the program, with real robots: beyond it nobody drives on [s]
+constexpr double longest_standstill = 0.5;  // of the program, with real robots: beyond it no robot drives on [s]
 constexpr double lock_step_timeout = 2.0;   // an emulated robot answers in well under a millisecond [s]
 
 /// The command that finds out where a camera hangs now; whole, if its calibration has the marks.
@@ -27,7 +27,7 @@ std::string calibrate_floor(const Experiment& experiment, std::size_t camera, bo
   for (const auto& [name, value] : control_settings(spec)) settings += fmt::format(" --set {}={}", name, value);
   const auto source = [&]() -> std::string {
     switch (spec.kind()) {
-      case CameraKind::synthetic:  // nobody else can look through it: a film of the run shows what it saw
+      case CameraKind::synthetic:  // it exists only in its run: a film of the run shows what it saw
         return "video:FILM.mkv";
       case CameraKind::absent:
       case CameraKind::recorded:

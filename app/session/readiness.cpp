@@ -37,7 +37,7 @@ Check camera(const Experiment& e, const std::string& down, const MarksStatus& ma
   if (!down.empty())
     return {What::camera, State::fails, fmt::format("{}; it is retried until it is there", down), true};
   if (marks.moved)
-    return {What::camera, State::fails, camera_moved_sentence(e, *marks.moved, "nobody drives"),
+    return {What::camera, State::fails, camera_moved_sentence(e, *marks.moved, "no robot drives"),
             e.failure.camera_moved == FailureSpec::CameraMoved::all_stop};
   if (!marks.known)
     return {What::camera, State::waits,

@@ -51,7 +51,7 @@ tl::expected<std::unique_ptr<Session>, std::string> Session::open(const Experime
     const auto robots = real_robots(i.experiment);
     if (!robots) return tl::unexpected(robots.error());
     i.net = SafetyNet::spread({i.experiment.name, *robots});
-    if (!i.net && robots->empty()) i.net = SafetyNet();  // a simulation harms nobody
+    if (!i.net && robots->empty()) i.net = SafetyNet();  // a simulation can do no harm
     if (!robots->empty()) i.sleep.emplace(i.experiment.name);
   }
   auto plant = Plant::open(i.experiment, i.clock, i.options);
@@ -222,7 +222,7 @@ Phase Session::run(const std::function<bool()>& keep_on) {
 
   bool away = false;
   if (i.clock.wall()) {
-    // Nobody drives blind: every robot has to be seen before the start.
+    // No robot drives blind: every robot has to be seen before the start.
     const double give_up = i.clock.now() + first_sight_timeout;
     for (int unseen = 0; (unseen = i.loop->unseen()) >= 0 && !over() && !i.loop->failed(); turn()) {
       if (i.clock.now() < give_up) continue;

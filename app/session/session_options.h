@@ -21,7 +21,7 @@ struct SessionOptions {
   bool pictures = false;             ///< keep the newest camera image
   std::vector<RecordSink*> sinks{};  ///< get every row of the run, on a separate thread in a real-time session
   std::string video{};               ///< record the camera's frames to this film (Matroska); empty: none
-  TagCrops* crops = nullptr;         ///< get a picture of each tag that is not seen; null: nobody wants them
+  TagCrops* crops = nullptr;         ///< get a picture of each tag that is not seen; null: none are wanted
   /// Real robots get a guard, a separate process that stops them if this one is killed (safety_net.h).
   bool guard = false;
   std::vector<comms::Fault> faults{};  ///< for practice; they count only the robots with link "loopback"

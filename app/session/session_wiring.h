@@ -168,7 +168,7 @@ struct SessionWiring {
   Answer may_drive() const {
     const auto moved = moved_off_its_marks();
     if (!moved) return {};
-    return tl::unexpected(camera_moved_sentence(experiment, *moved, "nobody drives"));
+    return tl::unexpected(camera_moved_sentence(experiment, *moved, "no robot drives"));
   }
 
   void watch() {

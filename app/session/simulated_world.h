@@ -16,7 +16,7 @@ class SimulatedWorld {
  public:
   explicit SimulatedWorld(const Experiment& experiment);
 
-  /// Everything as it is on `other`, the floor of the same experiment, at this moment.
+  /// Copies the present state of `other`, the floor of the same experiment.
   void go_on_from(const SimulatedWorld& other);
 
   /// Advances all robots to `now` [s]. Times in the past change nothing.

@@ -237,7 +237,7 @@ void TickState::accept_measurements(std::size_t i, const TickInput& input) noexc
   for (const std::size_t c : in_order) accept_measurement(i, c, by(c));
 }
 
-/// A jump that nobody announced is a perturbation like those of the file.
+/// A jump that was not announced is a perturbation like those of the file.
 void TickState::accept_measurement(std::size_t i, std::size_t camera, const core::Measurement& m) noexcept {
   const core::FilterParameters& parameters = experiment.estimation.filter;
   const core::Measurement before = std::exchange(seen_by[camera * robots() + i].newest, m);
@@ -305,8 +305,8 @@ bool TickState::align(std::size_t i, std::size_t camera, const core::Measurement
   return true;
 }
 
-/// A camera that was bumped makes every pose wrong at once: nobody drives by them. Before a start robots are placed by
-/// hands, and where the run is paused two of them may be carried.
+/// A camera that was bumped makes every pose wrong at once: no robot may drive by them. Before a start robots are
+/// placed by hand, and while the run is paused two of them may be carried.
 void TickState::watch_cameras(const TickInput& input) noexcept {
   if (!has_camera || input.recorded) return;
   constexpr std::size_t least_driving = 2, least_paused = 3;
@@ -343,10 +343,10 @@ void TickState::hear_links(const TickInput& input) noexcept {
   }
 }
 
-/// Whether a robot does as it is told, by its first and its newest sight: one that drives or turns otherwise, three
-/// times in a row, is told to stand, until it does. One that stands although it is told to drive is stuck, or was
-/// switched off: it is told to drive all the same, or nobody would learn when it can, and the others take it for an
-/// obstacle.
+/// Whether a robot obeys its commands, by its first and its newest sight. One that drives or turns otherwise, three
+/// times in a row, is commanded to stand until it does. One that stands although it is commanded to drive is stuck, or
+/// was switched off: it is still commanded to drive, since otherwise it could not be seen when it can drive again, and
+/// the others treat it as an obstacle.
 void TickState::watch_obedience(std::size_t i, const core::Measurement& first, double v) noexcept {
   constexpr double contrary = 0.04;     // between expected and measured velocity, of its middle or of a wheel [m/s]
   constexpr double turns_little = 0.3;  // [rad/s]
@@ -383,8 +383,8 @@ void TickState::watch_obedience(std::size_t i, const core::Measurement& first, d
   note(disobeys[i] ? Event(events::Runaway{i, v}) : Event(events::Obeys{i}));
 }
 
-/// How a robot moves that need not do as it is told: from its first and its newest sight within a fifth of a second. A
-/// jump is a hand's, and hands may move robots where nobody drives.
+/// The motion of a robot that may not obey, from its first and its newest sight within a fifth of a second. A jump is a
+/// move by hand, and robots may be moved by hand while none drives.
 void TickState::measure_twist(std::size_t i) noexcept {
   constexpr double longest = 0.5;  // between them [s]
   const core::Measurement& newest = record.robots[i].measurement;
@@ -451,7 +451,7 @@ void TickState::estimate(const TickInput& input) noexcept {
     doubt[i] = seen ? trusted_deviations *
                           filters[i].sigma_after(experiment.estimation.filter, filters[i].way_to(input.now).driven)
                     : 0.0;
-    // The first sight of a robot is what everybody expects, unless it has been missed.
+    // The first sight of a robot is expected and no event, unless the robot has been missed.
     if (seen_or_missed[i] && robot.is(lost) != was_lost)
       note(was_lost ? Event(events::Found{i}) : Event(events::Lost{i}));
     else if (!seen_or_missed[i] && !seen && running() && record.t > experiment.estimation.bridge)
@@ -547,9 +547,9 @@ void TickState::follow_plan() noexcept {
   }
 }
 
-/// The gains, the reference and the errors (4) of this tick: all that a law is asked with, once a tick. The error of a
-/// robot that is lost or held counts as zero, which takes it out of the group: nobody is coupled to a guess, or waits
-/// for one that stands.
+/// The gains, the reference and the errors (4) of this tick: all inputs of a law, once a tick. The error of a robot
+/// that is lost or held counts as zero, which takes it out of the group: no robot is coupled to a guess, or waits for
+/// one that stands.
 void TickState::ask_law() noexcept {
   if (std::exchange(asked, true)) return;
   schedule_gains();
@@ -565,8 +565,8 @@ void TickState::ask_law() noexcept {
   question.obstacles = obstacles.standing();
 }
 
-/// The law: (15), or what the experiment has instead. To its start everybody is driven by (15): other laws need not be
-/// able to drive to a place at which to stand. A robot of which the law asks what is no number stands.
+/// The law: (15), or what the experiment has instead. (15) drives the robots to their starts: other laws may not be
+/// able to drive to a place and stand there. A robot stands if the law's command for it is not a number.
 void TickState::apply_law(const TickInput& input) noexcept {
   const LawSpec& spec = experiment.controller.law;
   std::fill(record.logged.begin(), record.logged.end(), none);
@@ -598,9 +598,9 @@ void TickState::apply_law(const TickInput& input) noexcept {
   }
 }
 
-/// How much of its command a robot with a link may drive, 0 to 1: nobody can stop one that its radio does not reach, so
+/// How much of its command a robot with a link may drive, 0 to 1: a robot out of radio contact cannot be stopped, so
 /// its blind distance must last until a reply counts as lost. The speed of the reference itself is the experiment's
-/// choice; whoever is behind catches up no faster than this.
+/// choice; a robot that is behind catches up no faster than this.
 double TickState::blind_share(std::size_t i) const noexcept {
   if (!record.robots[i].link.input.linked) return 1.0;
   const core::DifferentialDrive& drive = experiment.robots[i].drive;
@@ -649,7 +649,7 @@ void TickState::limit_and_shield() noexcept {
     midway[i] = poses[i];
     midway[i].theta += 0.5 * commands[i].omega * experiment.period();
   }
-  // Whoever is stuck is an obstacle to all but itself, whose distance from it is 0.
+  // A robot that is stuck is an obstacle to all others, but not to itself, whose distance from it is 0.
   standing.assign(obstacles.standing().begin(), obstacles.standing().end());
   for (std::size_t i = 0; i < robots(); ++i)
     if (stuck[i]) standing.push_back({midway[i].x, midway[i].y, experiment.robots[i].radius + doubt[i]});

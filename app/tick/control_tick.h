@@ -18,7 +18,7 @@ class ControlTick {
   explicit ControlTick(const Experiment& experiment);
   ~ControlTick();
 
-  /// Forgets what it has seen, and goes on from where `other` is, a tick of the same experiment: the same inputs give
+  /// Forgets its own state and continues from the state of `other`, a tick of the same experiment: the same inputs give
   /// the same bits. Not part of a tick.
   void go_on_from(const ControlTick& other);
 

@@ -10,7 +10,7 @@ namespace skein::app {
 /// The inputs of a tick.
 struct TickInput {
   double now = 0.0;   ///< session's clock [s]
-  int elapsed = 1;    ///< ticks since the one before: 1, or more when deadlines were missed
+  int elapsed = 1;    ///< ticks since the previous one: 1, or more when deadlines were missed
   bool stop = false;  ///< STOP is latched
   /// The newest of each robot; by several cameras: those of camera 1, then those of camera 2...
   std::span<const core::Measurement> measurements;

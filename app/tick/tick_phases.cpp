@@ -8,7 +8,7 @@
 namespace skein::app {
 namespace {
 
-/// Staging is over when everybody has stood so long at its start [s].
+/// Staging is over when every robot has stood at its start for this long [s].
 constexpr double staged_for = 0.5;
 
 }  // namespace
@@ -99,8 +99,8 @@ void TickState::stage() noexcept {
   forget_history();
 }
 
-/// Staging is over when everybody has stood at its start for a while. After a run, a robot that is held stays where it
-/// is.
+/// Staging is over when every robot has stood at its start for a while. After a run, a robot that is held stays where
+/// it is.
 void TickState::watch_staging() noexcept {
   bool all_there = true;
   for (std::size_t i = 0; i < robots(); ++i) {

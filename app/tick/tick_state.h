@@ -46,7 +46,7 @@ struct TickMemory {
 
   // What lasts from tick to tick.
   double last_now = none;
-  double dt = 0.0;         // of the experiment, since the tick before; 0 unless running
+  double dt = 0.0;         // of the experiment, since the previous tick; 0 unless running
   double motion_dt = 0.0;  // the same of everything that drives: while staging as well
   Phase after_staging = Phase::ready;
   double staging_time = 0.0;  // time base of planned routes while staging [s]
@@ -60,7 +60,7 @@ struct TickMemory {
   core::NearRobots near;
   core::KosticController staging_law;  // drives to the starts, whatever the run's law is
   std::vector<double> spare_log;       // of that law where another one's values are recorded
-  std::vector<bool> no_number;         // the law's command was not a number at the tick before
+  std::vector<bool> no_number;         // the law's command was not a number at the previous tick
   ControllerState controller_state = ControllerState::answered;  // of the run's own controller
   core::DescentWatch watch;
   core::ProgressWatch progress;

@@ -38,7 +38,7 @@ struct CameraCalibration::Work {
   Work(const CalibratedCamera& camera, const vision::Board& shown)
       : source(camera.source), words{.size = camera.size, .settings = camera.settings}, board(shown) {}
 
-  /// Looks at pictures until they end or nobody wants them any more.
+  /// Looks at pictures until they end or are no longer wanted.
   void look(const std::stop_token& stop) {
     if (const std::string wrong = vision::check(board); !wrong.empty()) return end(wrong);
     if (const std::string wrong = wrong_source(source); !wrong.empty()) return end(wrong);

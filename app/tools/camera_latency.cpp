@@ -124,7 +124,7 @@ std::string obstacle(const Plant& plant, const Experiment& experiment, std::size
   return {};
 }
 
-/// Who stands in the way of a body that turns; empty: nobody.
+/// The robot that stands in the way of a body that turns; empty: none.
 std::string neighbour(const PlantLoop& loop, const Experiment& experiment, std::size_t robot) {
   for (std::size_t i = 0; i < experiment.robots.size(); ++i) {
     const core::Measurement& other = loop.newest()[i];

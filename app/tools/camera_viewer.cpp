@@ -371,7 +371,7 @@ struct CameraViewer::Work {
     return ends;
   }
 
-  /// false: nobody looks any more.
+  /// false: the viewer has been closed.
   bool rest(double seconds) {
     std::unique_lock lock(mutex);
     return !changed.wait_for(lock, Seconds(std::clamp(seconds, 0.0, 1.0)), [this] { return ends; });

@@ -34,7 +34,7 @@ struct WatchedTag {
     nobodys,   ///< of no robot of the experiment
   };
   int tag = 0;
-  int robot = -1;  ///< from 0; -1: nobody's
+  int robot = -1;  ///< from 0; -1: no robot's
   State state = State::nobodys;
   bool seen = false;                               ///< it is in the picture
   std::array<std::array<double, 2>, 4> corners{};  ///< [px], (0, 0) is the centre of the top-left pixel
@@ -46,7 +46,7 @@ struct WatchedTag {
 /// What a camera shows, and how it is set.
 struct CameraView {
   Picture picture;               ///< the newest that was searched for tags; width 0: none has come
-  std::vector<WatchedTag> tags;  ///< in it: by robot, then nobody's
+  std::vector<WatchedTag> tags;  ///< in it: by robot, then those of no robot
   double tag_size = none;        ///< of the calibration [m]
   double rate = none;            ///< of all frames over the last two seconds [frames/s]
   std::string camera;            ///< a description of what is being read

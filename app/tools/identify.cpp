@@ -220,9 +220,9 @@ std::pair<double, double> moved(const std::vector<core::SeenPose>& poses) {
   return {way, turn};
 }
 
-/// It was told to drive, and stood: its data tell nothing about its wheels.
+/// It was commanded to drive, and stood: its data say nothing about its wheels.
 bool stood(const IdentifiedRobot& robot) {
-  // Whoever drives so far comes away from its place, or turns there, by more than the noise of poses.
+  // A robot that drives so far leaves its place, or turns there, by more than the noise of poses.
   constexpr double commanded_way = 0.2, commanded_turn = 1.5, still_way = 0.02, still_turn = 0.15;
   const auto [way, turn] = moved(robot.history.input.poses);
   return (robot.found.driven > commanded_way || robot.found.turned > commanded_turn) && way < still_way &&
@@ -233,11 +233,11 @@ std::vector<std::string> doubts(const IdentifiedRobot& robot) {
   const core::Identification& found = robot.found;
   std::vector<std::string> sentences;
   if (stood(robot)) {
-    sentences.push_back(
-        fmt::format("it stood though it was told to drive {:.2f} m and to turn {:.1f} rad: no pose is farther than "
-                    "{:.0f} mm from the first. Is it switched on, its battery charged, are its wheels free, and is the "
-                    "tag on the robot that has this link?",
-                    found.driven, found.turned, 1e3 * moved(robot.history.input.poses).first));
+    sentences.push_back(fmt::format(
+        "it stood though it was commanded to drive {:.2f} m and to turn {:.1f} rad: no pose is farther than "
+        "{:.0f} mm from the first. Is it switched on, its battery charged, are its wheels free, and is the "
+        "tag on the robot that has this link?",
+        found.driven, found.turned, 1e3 * moved(robot.history.input.poses).first));
     return sentences;
   }
   const std::size_t poses = robot.history.input.poses.size();

@@ -24,9 +24,9 @@ struct JointFilms {
 using JointProgress = std::function<bool(std::size_t camera, std::int64_t frames)>;
 
 /// vision::solve_joint from the films that a run of an experiment has left (`skein run --video`), one a camera. Every
-/// frame is searched by AprilTag, so that nothing depends on what one camera was told of another. `reference`: a
-/// camera, from 0. The error: a film or calibration is not that of the experiment, solve_joint's own, or it
-/// was ended (`keep_on`).
+/// frame is searched by AprilTag, so that nothing depends on what a camera's tracker knew of the other cameras.
+/// `reference`: a camera, from 0. The error: a film or calibration is not that of the experiment, solve_joint's own, or
+/// it was ended (`keep_on`).
 tl::expected<JointFilms, std::string> joint_films(const Experiment& experiment, const std::string& film,
                                                   std::size_t reference, const JointProgress& keep_on = {});
 

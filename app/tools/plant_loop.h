@@ -13,13 +13,13 @@
 namespace skein::app {
 
 /// The ticks of a tool that drives a plant's robots itself, without the control tick: measurements in, wheel speeds
-/// out, once a period of the experiment. When a tick fails, every robot has been told to stop.
+/// out, once a period of the experiment. When a tick fails, every robot has been commanded to stop.
 class PlantLoop {
  public:
   /// `keep_on` is called in every tick; false ends the loop.
   PlantLoop(Plant& plant, SessionClock& clock, const Experiment& experiment, std::function<bool()> keep_on);
 
-  /// Waits for the next tick, takes what is new, and tells every robot its wheel speeds again. The error: it was ended,
+  /// Waits for the next tick, takes what is new, and sends every robot its wheel speeds again. The error: it was ended,
   /// or a link or the camera was lost.
   tl::expected<void, std::string> tick();
   /// In force from the next tick on.

@@ -33,8 +33,8 @@ struct PingOptions {
   std::function<void(const std::string&)> warn = {};  ///< gets what the operator must see at once; may be empty
 };
 
-/// Connects to every robot that has a link and sends it speeds of 0 at the experiment's rate, as a run would send its
-/// own, and asks for version and battery as a run does. The guard watches over real ones, and STOP from outside ends
+/// Connects to every robot that has a link and sends it speeds of 0 at the experiment's rate, just as a run sends
+/// speeds, and asks for version and battery as a run does. The guard watches over real ones, and STOP from outside ends
 /// it. The error: a robot cannot be reached.
 tl::expected<RobotPing, std::string> ping_robots(const Experiment& experiment, const PingOptions& options);
 

@@ -103,7 +103,7 @@ struct SetupWork::Work {
   }
 
   std::string ping() {
-    say(fmt::format("Asking {} for {:g} s; nobody drives …", names(), ping_time));
+    say(fmt::format("Asking {} for {:g} s; no robot drives …", names(), ping_time));
     Experiment experiment = task.experiment;
     std::vector<std::size_t> places;  // in `experiment`, of task.robots
     for (const auto& [row, robot] : task.robots) {
@@ -239,7 +239,7 @@ struct SetupWork::Work {
     const std::lock_guard lock(mutex);
     return ends;
   }
-  /// Nobody has ended it, and the window looks at it.
+  /// It has not been ended, and the window still responds.
   bool goes_on() {
     if (interrupted()) return false;
     const std::lock_guard lock(mutex);

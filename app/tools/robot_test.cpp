@@ -169,7 +169,7 @@ void RobotTest::judge_camera(std::size_t robot, const Manoeuvre& left, const Man
   }
 }
 
-/// Whether nobody else's tag is where the robot with this one would drive, straight ahead or (negative) back.
+/// Whether no other tag is where the robot with this one would drive, straight ahead or (negative) back.
 bool RobotTest::free_way(int tag, double distance, double radius) const {
   const auto own = std::find(wanted_.begin(), wanted_.end(), tag) - wanted_.begin();
   const core::Pose& at = resting_[static_cast<std::size_t>(own)];

@@ -20,7 +20,7 @@ using namespace std::chrono_literals;
 using Json = nlohmann::ordered_json;
 
 constexpr double v_jump = 0.03;   // a larger change of v from tick to tick is a jump [m/s]
-constexpr double drives = 0.005;  // whoever is slower has no direction [m/s]
+constexpr double drives = 0.005;  // a slower robot has no direction [m/s]
 
 /// How far the robots really are from their places, and since when they have been near enough.
 class Distance final : public RecordSink {
@@ -39,7 +39,7 @@ class Distance final : public RecordSink {
       const std::optional<RobotSpec::Truth>& truth = experiment_.robots[i].truth;
       at_rest_ = at_rest_ && robot.nominal.twist.v == 0.0;
       if (starts_.size() == i) starts_.push_back(here);
-      if (truth && truth->runaway) continue;  // nobody expects it anywhere
+      if (truth && truth->runaway) continue;  // it is not expected at any place
       farthest_way_ = std::fmax(farthest_way_, core::distance(starts_[i], schedule_.place(record, i)) /
                                                    experiment_.robots[i].v_max.value_or(experiment_.controller.v_max));
       error = std::fmax(error, core::distance(schedule_.place(record, i), here));

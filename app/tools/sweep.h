@@ -14,7 +14,7 @@ namespace skein::app {
 /// One run of a study.
 struct RunOutcome {
   std::uint64_t seed = 0;
-  double perturbation = 0.0;  ///< the farthest that a hand put a robot [m]
+  double perturbation = 0.0;  ///< the largest distance by which a perturbation moved a robot [m]
   std::int64_t collisions = 0;
   std::int64_t run_into = 0;       ///< by robots that ignore commands, while standing or driving away
   double min_distance = 0.0;       ///< between two robots, true poses [m]
@@ -27,7 +27,7 @@ struct RunOutcome {
   std::optional<double> straight;
   std::optional<bool> formation_first;  ///< where a perturbation was large enough to ask
   std::optional<bool> relative_first;   ///< the same of the neighbours' relative positions
-  double outside = 0.0;                 ///< farthest that a body was over the arena's edge [m]
+  double outside = 0.0;                 ///< largest distance by which a body was over the arena's edge [m]
   /// Until all perturbations had settled to 1 cm, the slowest of them: formation, relative positions, tracking; see
   /// Settling. Empty: one did not, or there was none. [s]
   std::optional<double> formation_settled, relative_settled, tracking_settled;
@@ -39,10 +39,10 @@ struct RunOutcome {
   std::int64_t v_jumps = 0;    ///< changes of a robot's v by more than 0.03 m/s from a tick to the next
   std::int64_t reversals = 0;  ///< times that a robot went over from forwards to backwards or back
   std::int64_t absent = 0;     ///< robots that are not within `recovered_within` of their places at the end
-  /// Of these: how many cannot be, because a robot that ignores commands is nearer to the place than the
-  /// shield allows, or without it the bodies.
+  /// Of these: how many cannot be at their places, because a robot that ignores commands is nearer to the place than
+  /// the shield allows (without the shield: than the bodies allow).
   std::int64_t places_taken = 0;
-  std::string failure;  ///< why there is no run, if there is none
+  std::string failure;  ///< why the run failed, if it did
 
   bool collided() const noexcept { return collisions > 0; }
   /// It did not recover, and only robots are missing that cannot be at their places.

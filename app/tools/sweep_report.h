@@ -32,8 +32,8 @@ std::vector<std::uint64_t> worst_seeds(const std::vector<RunOutcome>& outcomes, 
 /// Draws what a study counted into `directory`, which check_report() has made: distributions of the times (times.*), of
 /// distances (distances.*), shares (shares.*), each with the control and what the study is compared with beside it, and
 /// 95 % intervals, and the worst runs as floor plans (worst.*), each as .pdf, .svg and .png beside its gnuplot script
-/// and data; runs.csv, summary.json and intervals.csv, the table of all intervals. Makes the worst runs once more. The
-/// error is a sentence.
+/// and data; runs.csv, summary.json and intervals.csv, the table of all intervals. Repeats the worst runs to draw them.
+/// The error is a sentence.
 tl::expected<void, std::string> write_sweep_report(const std::string& directory, const Study& study,
                                                    const Outcomes& outcomes);
 

@@ -47,7 +47,7 @@ class Scale {
  public:
   explicit Scale(const Span& span) : span_(span), logarithmic_(span[0] > 0.0 && span[1] >= 10.0 * span[0]) {}
 
-  /// To three digits, which files can show and nobody tells apart.
+  /// To three digits: files stay readable, and finer differences have no effect.
   double value(double share) const {
     const double exact =
         logarithmic_ ? span_[0] * std::pow(span_[1] / span_[0], share) : span_[0] + (span_[1] - span_[0]) * share;

@@ -14,7 +14,7 @@ namespace skein::app {
 /// What the runs of a study say about one choice of gains: means over the runs.
 struct Merits {
   /// Both objectives, smaller is better: from the kick until the relative positions of neighbours, and until tracking
-  /// has settled to 1 cm for good. A run that does not settle counts as all of its time after the kick. [s]
+  /// has settled to 1 cm for good. A run that does not settle counts with all of its time after the kick. [s]
   double formation = 0.0, tracking = 0.0;
   double limited_share = 0.0, effort = 0.0;  ///< see RunOutcome
   std::int64_t collisions = 0;
@@ -40,8 +40,8 @@ struct Tuned {
   /// at least as good in both objectives on the kicks of the search, and better in one. The fastest formation first.
   std::vector<TunedPoint> front;
   std::vector<TunedPoint> tried;  ///< certified and within the constraints
-  /// Of the front, that with the smallest worse ratio to `own` on the kicks of the search: kicks held out choose
-  /// nothing. Empty front: none.
+  /// Of the front, that with the smallest worse ratio to `own` on the kicks of the search: the held-out kicks play no
+  /// part in the choice. Empty front: none.
   std::size_t chosen = 0;
   std::int64_t runs = 0, candidates = 0;
   std::int64_t uncertified = 0;   ///< candidates that `skein check` would refuse, or with too small a delay margin

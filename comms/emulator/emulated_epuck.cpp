@@ -52,7 +52,7 @@ const Fault* EmulatedEpuck::active(FaultKind kind) const noexcept {
 }
 
 bool EmulatedEpuck::carries() const noexcept {
-  // Nobody overtakes in a stream: a message that is late holds up the next.
+  // Messages in a stream do not overtake one another: a late one holds up the next.
   if (!to_robot_.empty() && to_robot_.back().due > time_ + noticeable_latency) return false;
   if (loses() || active(FaultKind::stall)) return false;
   return std::none_of(active_.begin(), active_.end(), [](const Fault& fault) {
@@ -166,7 +166,7 @@ void EmulatedEpuck::begin(const Fault& fault) {
   if (fault.kind == FaultKind::stuck && !off() && epuck_ && !is_in_packets(epuck_->protocol())) {
     const auto which = static_cast<std::size_t>(random_.uniform() * static_cast<double>(half_commands.size()));
     std::vector<std::uint8_t> answer;  // a half command has none
-    epuck_->forget_half_command();     // two halves must not make a whole that nobody sent
+    epuck_->forget_half_command();     // two halves must not make a command that was never sent
     firmware_->receive(as_bytes(half_commands[which]), answer);
   }
 }
@@ -207,7 +207,7 @@ void EmulatedEpuck::send(std::deque<Message>& way, std::span<const std::uint8_t>
     if (&way == &to_robot_) held_up_until_ = std::max(held_up_until_, message.due);
   }
   if (adapter_) message.due = std::max(message.due, adapter_->arrival(place_, &way == &to_robot_, bytes.size(), now));
-  if (!way.empty()) message.due = std::max(message.due, way.back().due);  // a stream: nobody overtakes
+  if (!way.empty()) message.due = std::max(message.due, way.back().due);  // a stream: no message overtakes another
   way.push_back(std::move(message));
 }
 

@@ -37,7 +37,7 @@ class PtyEndpoint final : public Endpoint {
     names_.point(robot_, fresh.path());
     pty_ = std::move(fresh);
   }
-  void admit(bool) override {}  // whoever opens the line meanwhile meets a robot that does not hear him
+  void admit(bool) override {}  // a host that opens the line meanwhile finds a robot that does not answer
 
  private:
   DeviceNames& names_;
@@ -185,7 +185,7 @@ class SocketEndpoint final : public Endpoint {
         return open_rfcomm_socket(where_.here, where_.channel);
       case LinkKind::serial:
       case LinkKind::udp:
-        break;  // nobody is admitted to these: they have endpoints of their own
+        break;  // no host is admitted to these: they have endpoints of their own
     }
     errno = EPROTONOSUPPORT;
     return -1;

@@ -20,7 +20,7 @@ constexpr double standing = 0.2;           // share of the top speed below which
 constexpr double precedence = 0.05;        // how much sooner each robot gives way than the one before it
 constexpr double longest_wait = 5.0;       // that counts [s]
 constexpr double progress = 0.01;          // that counts [m]
-constexpr double at_its_place = 0.02;      // nobody is stuck who is so near to where it should be [m]
+constexpr double at_its_place = 0.02;      // a robot so near to where it should be is not stuck [m]
 
 bool at_rest(const ReferencePoint& nominal) noexcept {
   return nominal.twist == Twist{};
@@ -182,7 +182,7 @@ void Avoidance::step(const AvoidanceParameters& parameters, const Gains& gains, 
   bool sorted_ahead = false;
   const auto sort_ahead = [&] {
     if (sorted_ahead) return;
-    // Whoever follows its place does so on, also in the first tick, in which nobody has been told anything yet.
+    // A robot that follows its place is assumed to go on, also in the first tick, before any command was given.
     for (std::size_t j = 0; j < robots_.size(); ++j)
       moves_[j] = robots_[j].state == State::nominal && distance(scene.poses[j], nominal[j].pose) < at_its_place
                       ? nominal[j].twist

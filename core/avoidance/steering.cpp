@@ -18,10 +18,10 @@ constexpr double end_rate = 2.0;          // how fast a way ends [1/s]
 constexpr int directions = 24;
 
 // What a course costs, against 1 for the way that top speed makes within the horizon. Waiting must cost more than going
-// round, or a crowd in which everybody waits for everybody never moves.
+// round, or a crowd in which all robots wait for one another never moves.
 constexpr double aside = 0.10;           // straight back, less for smaller angles
-constexpr double to_the_left = 0.06;     // what makes everybody pass on the right
-constexpr double meeting = 0.1;          // somebody, within the horizon
+constexpr double to_the_left = 0.06;     // makes robots pass on the right
+constexpr double meeting = 0.1;          // another robot, within the horizon
 constexpr double meeting_long = 1.5;     // all the way; a part for a part of it
 constexpr double discomfort = 0.2;       // passing as near as may be
 constexpr double turning_round = 0.15;   // from the last course to the opposite one
@@ -49,7 +49,7 @@ Twist Steering::towards(double heading, double speed, double theta, const Refere
   return {std::min(speed * std::max(0.0, std::cos(off)), bounds.v_limit(omega)), omega};
 }
 
-/// Everybody within reach, and how near each may be come: where it is nearer already, no nearer than it is.
+/// All robots within reach, and the distance to keep from each: from one that is nearer already, its present distance.
 void Steering::gather_movers(const Scene& scene, std::size_t i, std::span<const std::uint32_t> near, double x, double y,
                              double reach) noexcept {
   movers_.clear();

@@ -19,7 +19,7 @@ std::vector<std::size_t> cheapest_assignment(const Eigen::MatrixXd& cost) {
     std::vector<bool> reached(n + 1, false);
     row_of[n] = row;
     std::size_t column = n;
-    do {  // Dijkstra's, over the reduced costs, to the nearest column that nobody has
+    do {  // Dijkstra's, over the reduced costs, to the nearest column that no row has
       reached[column] = true;
       double nearest = infinite;
       std::size_t next = n;

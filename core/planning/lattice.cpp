@@ -87,7 +87,7 @@ void Lattice::build(std::span<const Obstacle> obstacles) noexcept {
         if (std::abs(o.x - best.x) < reach && std::abs(o.y - best.y) < reach) close_.push_back(o);
       }
       double room = clearance(best.x, best.y, close_);
-      // Towards the most room in the cell, in ever smaller steps; the arena's edge alone moves nobody.
+      // Towards the most room in the cell, in ever smaller steps; the arena's edge alone moves no vertex.
       double to_obstacles = std::numeric_limits<double>::infinity();
       for (const Obstacle& o : close_)
         to_obstacles = std::min(to_obstacles, std::hypot(best.x - o.x, best.y - o.y) - o.radius - keep_);

@@ -16,11 +16,11 @@ constexpr double sight = 0.06;         // how far ahead a reference looks that c
 constexpr double turn_gain = 4.0;      // [1/s]
 constexpr double catch_up = 2.0;       // [1/s]
 
-constexpr double drives = 0.005;         // whoever is slower stands [m/s]
+constexpr double drives = 0.005;         // a slower robot stands [m/s]
 constexpr double slow_arc = 0.55;        // of the top speed: a tight arc is driven so fast
 constexpr double goes_straight = 0.12;   // who drives goes on as it does while its couplings are released [s]
 constexpr double merge_rounding = 1e-4;  // [m]
-constexpr double reach = 0.06;           // beyond what is to be kept nobody closes in too fast [m]
+constexpr double reach = 0.06;           // beyond what is to be kept no robot closes in too fast [m]
 constexpr std::size_t coarse = 8;        // samples
 constexpr std::array<double, 2> lane{0.11, -0.11};                                      // beside the place [m]
 constexpr std::array<double, 6> past_obstacles{0.05, -0.05, 0.11, -0.11, 0.18, -0.18};  // beside the place [m]

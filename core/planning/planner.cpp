@@ -27,7 +27,7 @@ constexpr double error_free = 0.010;        // behind its route: clocks run on; 
 constexpr double error_stop = 0.025;        // [m]
 constexpr double looks_every = 5;           // ticks
 constexpr double formation_slope = 0.25;    // of its clock, times the largest v_ref [m/s^2]
-constexpr double stuck_for = 4.0;           // a clock that hardly runs so long: a new plan for everybody [s]
+constexpr double stuck_for = 4.0;           // a clock that has hardly run for this long: a new plan for all robots [s]
 
 bool is_at(const Pose& place, const Pose& pose) noexcept {
   return distance(pose, place) < arrived && std::abs(wrap_angle(pose.theta - place.theta)) < route_end_angle;
@@ -159,7 +159,7 @@ bool Planner::is_back(std::size_t i, const Scene& scene, const Pose& place) cons
          std::abs(wrap_angle(scene.poses[i].theta - place.theta)) <= looks_elsewhere;
 }
 
-/// Whether robot i, as it drives now, comes upon somebody who stands or an obstacle.
+/// Whether robot i, as it drives now, comes upon a robot that stands, or an obstacle.
 void Planner::watch(std::size_t i, const Scene& scene, const Gains& gains,
                     std::span<const ReferencePoint> nominal) noexcept {
   Robot& robot = robots_[i];
@@ -193,11 +193,11 @@ void Planner::watch(std::size_t i, const Scene& scene, const Gains& gains,
   }
 }
 
-/// Whether somebody who was to be there before robot i has not passed yet.
+/// Whether a robot that was to be there before robot i has not passed yet.
 bool Planner::must_wait(std::size_t i, double ahead) noexcept {
   Robot& robot = robots_[i];
   const std::size_t n = robots_.size();
-  const double fastest = 2.0 * std::max(fastest_pace_, 0.1);  // nobody's route is so fast [m/s]
+  const double fastest = 2.0 * std::max(fastest_pace_, 0.1);  // no route is so fast [m/s]
   robot.waits_for = n;
   const double at = robot.clock + ahead, planned = robot.due + at;
   const Pose there = robot.route.at(at).pose, here = on_route_[i];
@@ -208,7 +208,8 @@ bool Planner::must_wait(std::size_t i, double ahead) noexcept {
     if (j == i || other.state != State::driving || other.stood) continue;
     const double theirs = other.due + shift_[i * n + j];  // of its clock 0, in this robot's schedule
     const double until = std::min(planned - theirs, other.route.duration());
-    // On ways to places that drive on everybody drives closely behind others: who runs is taken to run on.
+    // On routes to places that drive on, robots drive closely behind one another: a clock that runs is assumed to run
+    // on.
     const double runs = robot.joins > 0.0 && other.joins > 0.0 ? ahead * other.rate : 0.0, runs_to = other.clock + runs;
     if (runs_to >= until - unseen) continue;
     const Pose now = on_route_[j];
@@ -265,7 +266,7 @@ void Planner::run_clock(std::size_t i, const Scene& scene, double dt) noexcept {
   on_route_[i] = robot.route.at(robot.clock).pose;
 }
 
-/// Slows the formation's clock while somebody is on its way back to a place that moves, and lets it hurry afterwards.
+/// Slows the formation's clock while a robot is on its way back to a place that moves, and lets it hurry afterwards.
 void Planner::let_formation_wait(const Scene& scene, const Gains& gains) noexcept {
   if (!(demand_.v > 0.0)) demand_ = reference_->demand(gains.k_y);
   if (!(demand_.v > 0.0)) return;
@@ -363,7 +364,7 @@ void Planner::step(const Scene& scene, const Gains& gains, double dt, std::span<
     } else if (robot.state != State::waiting && away > 2.0 * put_elsewhere + 2.0 * scene.doubt) {
       robot.needs_plan = true;
     }
-    // A way to a moving place is planned for a time: whoever is late for it would meet others there.
+    // A way to a moving place is planned for a time: a robot that is late for it would meet others there.
     const bool late = robot.state == State::driving && !rests(i, scene) && lag(i) > too_late;
     if ((late || (robot.state == State::returning && away > put_off + 2.0 * scene.doubt)) &&
         scene.t > robot.due + again_after)

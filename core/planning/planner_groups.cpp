@@ -8,14 +8,15 @@
 namespace skein::core {
 namespace {
 
-// After there was no way. Each time everybody is planned anew, and stops for it: it is tried ever less often. [s]
+// After no route was found. Each attempt stops all robots and replans them, so that attempts become less and less
+// frequent. [s]
 constexpr double try_again = 1.0, try_again_at_last = 8.0;
 constexpr double lead_each = 0.016;   // planning a robot takes about so long [s]
 constexpr double longest_lead = 0.8;  // [s]
 constexpr int most_attempts = 40;
-constexpr double longest_planning = 4.0;  // then whoever finds no way is left standing, and the others drive [s]
+constexpr double longest_planning = 4.0;  // then a robot without a route is left standing, and the others drive [s]
 constexpr int most_improvements = 6;
-constexpr double good_enough = 1.12;  // against the straight line of whoever has the longest
+constexpr double good_enough = 1.12;  // against the longest of the robots' straight lines
 constexpr double slowest = 0.005;     // who is slower stands [m/s]
 constexpr double horizon = 45.0;      // of places that move [s]
 
@@ -92,8 +93,8 @@ void Planner::set_off(std::size_t i, double due) noexcept {
 Planner::Start Planner::begin_route(std::size_t i, const Scene& scene) noexcept {
   Robot& robot = robots_[i];
   const Pose& pose = scene.poses[i];
-  // Whoever drives goes on from its reference, so that noise does not become a jump; whoever stands, from where it is.
-  // On a route, this tick's is still to come: from that of the tick before, it would be driven back.
+  // A robot that drives goes on from its reference, so that noise does not become a jump; one that stands, from where
+  // it is. On a route, this tick's is still to come: from that of the tick before, it would be driven back.
   const bool on_route = robot.state == State::waiting || (robot.state == State::driving && rests(i, scene));
   const Pose on = on_route ? robot.route.at(robot.clock).pose : robot.reference.pose;
   const double v = std::abs(scene.commands[i].v) < slowest ? 0.0 : scene.commands[i].v;
@@ -173,8 +174,8 @@ void Planner::begin_group(const Scene& scene, std::span<const ReferencePoint> no
     if (!g.member[j]) expect(j, scene, nominal);
   for (std::size_t j = 0; j < n; ++j) g.places[j] = rests(j, scene) ? goal(j, scene) : Pose{never, never, 0.0};
   spent_ += 15 * n;
-  // Whoever makes room, last: it knows then where the others drive. The longest way first. (stable_sort would
-  // allocate.)
+  // Robots that make room come last: by then it is known where the others drive. The longest way first. (stable_sort
+  // would allocate.)
   std::sort(g.order.begin(), g.order.end(), [&](std::size_t a, std::size_t b) {
     if (robots_[a].makes_room != robots_[b].makes_room) return robots_[b].makes_room;
     const double way_a = distance(g.from[a], goal(a, scene)), way_b = distance(g.from[b], goal(b, scene));
@@ -195,7 +196,7 @@ bool Planner::include_who_follows(const Scene& scene) noexcept {
   return more;
 }
 
-/// One robot after the other; whoever finds no way goes to the front, and all begin anew.
+/// One robot after the other; one without a route goes to the front, and all begin anew.
 void Planner::go_on_with_group(const Scene& scene, std::span<const ReferencePoint> nominal) noexcept {
   Group& g = group_;
   while (g.active && spent_ < nodes_each_tick) {
@@ -234,7 +235,7 @@ void Planner::go_on_with_group(const Scene& scene, std::span<const ReferencePoin
       g.order.erase(g.order.begin() + static_cast<std::ptrdiff_t>(g.next));
       wait_for_a_way(i);
     };
-    if (search_.found() && search_.legs().empty()) {  // it makes room, and is in nobody's way
+    if (search_.found() && search_.legs().empty()) {  // it makes room, and blocks no other robot
       stays();
       g.others = Group::Others::leave;
       continue;
@@ -281,7 +282,8 @@ void Planner::go_on_with_group(const Scene& scene, std::span<const ReferencePoin
   }
 }
 
-/// All have routes. Keeps them if they are the best so far; whether to try again with whoever arrives last in front.
+/// All have routes. Keeps them if they are the best so far; whether to try again with the robot that arrives last in
+/// front.
 bool Planner::improve(const Scene& scene) noexcept {
   Group& g = group_;
   double last = 0.0, soonest = 0.0;
@@ -298,7 +300,7 @@ bool Planner::improve(const Scene& scene) noexcept {
     g.best_arrival = last;
     g.best = g.routes;
   }
-  if (latest == 0 || g.best_arrival < good_enough * soonest) return false;  // nobody, where all have given up
+  if (latest == 0 || g.best_arrival < good_enough * soonest) return false;  // no robot arrives if all have given up
   const auto tries = std::min(most_improvements, 60 / static_cast<int>(g.order.size()));
   if (g.improvements++ >= tries || scene.t > g.began + 0.7 * g.lead) return false;
   std::rotate(g.order.begin(), g.order.begin() + static_cast<std::ptrdiff_t>(latest),

@@ -18,7 +18,8 @@ constexpr double much_better = 2.5;     // only who is so much later than alone 
 constexpr double worth_it = 0.3;        // yielding brings at least so much [s]
 constexpr double least_hurry = 0.1;     // who cannot catch up faster than that does not yield
 constexpr double may_come = 0.02;       // beyond the shield's distance: who comes so near must yield soon [m]
-constexpr double worth_taking = 5.0;  // where somebody comes soon, a way so much later than alone is taken at once [s]
+constexpr double worth_taking = 5.0;  // where another robot comes soon, a way so much later than alone is taken at once
+                                      // [s]
 constexpr std::size_t soon = 10;      // [Traffic::step]
 constexpr double near = 0.6;          // who is farther away is not asked to yield [m]
 constexpr double longest_search = 0.5;     // where there is a way at all [s]
@@ -41,7 +42,7 @@ constexpr std::array<double, Planner::holds> stands_for{1.2, 2.0, 0.5, 3.0, 4.5}
 
 }  // namespace
 
-/// Robot `first`, and everybody who only follows its reference and would come too near to one that yields. False: so
+/// Robot `first`, and every robot that only follows its reference and would come too near to one that yields. False: so
 /// would one that is on its way already, and took them to be elsewhere.
 bool Planner::who_yields(std::size_t first, const Scene& scene, const Delay& delay) noexcept {
   Merging& m = merging_;
@@ -104,8 +105,8 @@ void Planner::sort_who_comes(const Scene& scene) noexcept {
             [&m](std::size_t a, std::size_t b) { return m.comes[a] != m.comes[b] ? m.comes[a] < m.comes[b] : a < b; });
 }
 
-/// One robot after the other. Whoever has no way yet is taken to stand for a while, and to be away then. Returns when
-/// all are back at their places, after now, or infinity. [s]
+/// One robot after the other. A robot without a way yet is assumed to stand for a while, and then to be gone. Returns
+/// when all are back at their places, after now, or infinity. [s]
 double Planner::merge(const Merging::Trial& trial, const Scene& scene, Merge::Query like, double before) noexcept {
   Merging& m = merging_;
   const Care& care = cares[trial.care];
@@ -176,7 +177,7 @@ void Planner::seek(std::size_t k, const Start& from, const Gains& gains) noexcep
   m.paces[k].omega = all_turning * free_omega(gains, m.robots[k]);
 }
 
-/// What everybody is expected to do, and what all searches of this step have in common.
+/// The expected motion of all robots, and what all searches of this step have in common.
 Merge::Query Planner::expect_all(const Scene& scene, const Gains& gains, std::span<const ReferencePoint> nominal,
                                  bool& somebody_yields) noexcept {
   Merge::Query like;
@@ -199,7 +200,7 @@ Merge::Query Planner::expect_all(const Scene& scene, const Gains& gains, std::sp
   return like;
 }
 
-/// When those that seek a way were at their places if nobody else was there.
+/// When the robots that seek a way would be at their places without any other robots.
 void Planner::find_alone(const Merge::Query& like) noexcept {
   Merging& m = merging_;
   for (std::size_t k = 0; k < m.count; ++k) {
@@ -228,7 +229,7 @@ double Planner::hurry_of_all(const Gains& gains) const noexcept {
   return hurry;
 }
 
-/// Who yields in this trial; false where somebody else would be in their way.
+/// Which robots yield in this trial; false where another robot would be in their way.
 bool Planner::let_yield(const Merging::Trial& trial, const Scene& scene, double hurry, double slope) noexcept {
   if (trial.hold == 0) return true;
   merging_.delay = Delay(scene.t, stands_for[trial.hold - 1], hurry, slope);
@@ -344,7 +345,7 @@ void Planner::plan_merges(const Scene& scene, const Gains& gains, std::span<cons
         settle();
         continue;
       }
-      // Whoever searches on stands there, and what was found may be gone by then.
+      // A robot whose search goes on stands there, and what was found may be blocked by then.
       const bool other_order_left = m.next.hold == 0 && !m.next.backwards && m.count > 1;
       enough = !other_order_left && std::min(total, best) < soonest + much_better;
       enough = enough || (urgent() && total < soonest + worth_taking);

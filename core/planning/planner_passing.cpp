@@ -30,7 +30,7 @@ Pose Planner::expected_at(std::size_t j, double ahead, const Scene& scene,
   return nominal[j].twist == Twist{} && rests(j, scene) ? nominal[j].pose : reference_->at(j, t).pose;
 }
 
-/// Whether the shield would leave robot i alone on a way past an obstacle, as long as everybody drives as expected.
+/// Whether the shield would leave robot i alone on a way past an obstacle, as long as all robots drive as expected.
 bool Planner::meets_nobody(std::size_t i, const Sidestep& way, const Scene& scene,
                            std::span<const ReferencePoint> nominal, std::span<const std::uint8_t> yields) noexcept {
   constexpr double step = 0.2, beyond = 0.004, reach = 0.06;
@@ -55,7 +55,8 @@ bool Planner::meets_nobody(std::size_t i, const Sidestep& way, const Scene& scen
   return true;
 }
 
-/// Where there is too little time to leave the lane, robot i slows down, and so does whoever would come too near to it.
+/// Where there is too little time to leave the lane, robot i slows down, and so does every robot that would come too
+/// near to it.
 bool Planner::slow_down(std::size_t i, const Scene& scene, const Gains& gains, std::span<const ReferencePoint> nominal,
                         SidestepSearch::Query query, Sidestep& way) noexcept {
   const double hurry = hurry_of_all(gains);

@@ -143,7 +143,7 @@ void RouteSearch::stamp() noexcept {
   }
 }
 
-/// How far it is from every vertex to the goal, were nobody there.
+/// The distance from every vertex to the goal, without other robots.
 void RouteSearch::estimate() noexcept {
   std::fill(left_.begin(), left_.end(), unreached);
   std::fill(is_exit_.begin(), is_exit_.end(), std::uint8_t{0});
@@ -237,7 +237,7 @@ void RouteSearch::reach(std::uint32_t parent, std::size_t vertex, std::size_t he
   const auto all = intervals(vertex);
   for (std::size_t k = 0; k < all.size(); ++k) {
     const double leaves = std::max(ready, static_cast<double>(all[k].begin));
-    // Whoever waits starts anew.
+    // A robot that waits starts anew.
     const double takes =
         duration + (leaves > ready + 1e-6 && heading < Lattice::directions ? query_.pace.start_time() : 0.0);
     const double arrives = leaves + takes;
@@ -245,7 +245,7 @@ void RouteSearch::reach(std::uint32_t parent, std::size_t vertex, std::size_t he
     if (arrives > all[k].end) continue;
     double g = arrives;
     if (vertex == goal()) {
-      if (all[k].end < unreached) continue;  // somebody passes later
+      if (all[k].end < unreached) continue;  // another robot passes later
     }
     const std::size_t state = state_of(vertex, heading, k);
     if (best_of_[state] == search_ && best_[state] <= g) continue;

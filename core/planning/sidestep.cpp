@@ -9,7 +9,7 @@ namespace {
 constexpr double farthest = 0.35;      // beside its place [m]
 constexpr double height_step = 0.004;  // between two that are tried [m]
 constexpr double height_more = 0.044;  // than the place needs, at most [m]
-constexpr double spare = 0.003;        // more room than must be kept: the shield slows whoever has less [m]
+constexpr double spare = 0.003;        // more room than must be kept: the shield slows a robot that has less [m]
 constexpr double rounding = 1e-4;      // [m]
 constexpr double lead = 0.25;          // along the lane, to be 0.1 m beside it [m]
 constexpr double shortest = 1.0;       // of a rise [s]
@@ -192,7 +192,7 @@ SidestepSearch::Lane SidestepSearch::begin(const Query& query, const Reference& 
   return on_lane && height_ < farthest && middle > leads(height_) + 0.5 ? Lane::later : Lane::blocked;
 }
 
-/// Where the place will be; whether it meets an obstacle. Beyond the edge nobody is led but its place.
+/// Where the place will be; whether it meets an obstacle. Only the place may lie beyond the edge, never the robot.
 bool SidestepSearch::look(std::size_t from, std::size_t to) noexcept {
   bool blocked = false;
   for (std::size_t k = from; k < to; ++k) {

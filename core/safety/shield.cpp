@@ -29,7 +29,7 @@ void Shield::collect(const ShieldParameters& p, const Scene& scene) noexcept {
     const double a_j = moves ? -(n_x * cos_[j] + n_y * sin_[j]) : 0.0;
     constraints_.push_back({i, j, a_i, a_j, -p.gamma * std::max(0.0, d - keep), 0.0});
   };
-  // Farther apart than this nobody closes in too fast; the nanometre is for rounding.
+  // Farther apart than this no robot closes in too fast; the nanometre is for rounding.
   const double fastest = poses.empty() ? 0.0 : *std::max_element(v_limit.begin(), v_limit.end());
   const auto doubt_of = [&](std::size_t i) { return doubt.empty() ? 0.0 : doubt[i]; };
   const double most_doubt = doubt.empty() ? 0.0 : *std::max_element(doubt.begin(), doubt.end());
@@ -113,10 +113,10 @@ void Shield::apply(const ShieldParameters& parameters, const Scene& scene, std::
     if (largest_change < converged) break;
   }
 
-  // Whatever the sweeps left over: hold the limits, then brake whoever still closes in too fast, only them and only as
-  // far as needed; at d = D the last digit would otherwise stop everybody. Braking a robot can bring the one behind it
-  // too near, hence the passes; should they not settle either, both robots of a pair stop, which ends it after at most
-  // as many passes as there are robots.
+  // Whatever the sweeps left over: hold the limits, then brake the robots that still close in too fast, only these and
+  // only as far as needed; at d = D the last digit would otherwise stop all robots. Braking a robot can bring the one
+  // behind it too near, hence the passes; should they not settle either, both robots of a pair stop, which ends it
+  // after at most as many passes as there are robots.
   for (std::size_t i = 0; i < poses.size(); ++i) v_[i] = std::clamp(v_[i], -v_limit[i], v_limit[i]);
   constexpr double tolerated = 1e-9;  // [m/s]: 40 picometres a tick
   constexpr std::size_t braking_passes = 100;

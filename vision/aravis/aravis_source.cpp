@@ -189,10 +189,10 @@ class AravisSource final : public FrameSource {
     g_signal_handler_disconnect(arv_camera_get_device(camera_.get()), handler_);
     Held held{std::move(camera_), std::move(stream_), handler_};
     if (!silent(held.stream.get())) return held.let_go();
-    // To one that does not answer, every word takes seconds to fail; nobody waits for that.
+    // With a camera that does not answer, every call takes seconds to fail; the caller does not wait for that.
     std::thread([held = std::move(held)]() mutable { held.let_go(); }).detach();
   }
-  /// No frame has come for longer than frames take, and none lies there that nobody has read.
+  /// No frame has come for longer than frames take, and no unread frame is waiting.
   bool silent(ArvStream* stream) const {
     if (lost_.load(std::memory_order_relaxed)) return true;
     if (frames_ == 0 || stream == nullptr || monotonic_now() - last_arrival_ <= stall_wait()) return false;
@@ -419,7 +419,8 @@ class AravisSource final : public FrameSource {
         address(), again, missing);
   }
 
-  /// Software trigger: asks for a frame when it is time. false: nobody waits any more, or the camera did not hear it.
+  /// Software trigger: requests a frame when it is time. false: the caller no longer waits, or the camera did not
+  /// receive it.
   bool trigger(std::string& problem) {
     if (!software_trigger()) return true;
     const double now = monotonic_now();
@@ -444,7 +445,7 @@ class AravisSource final : public FrameSource {
     return !failed;
   }
 
-  /// Until a frame is there. None: why none will come, or nobody waits for it any more.
+  /// Waits for a frame. None: `problem` says why none will come, or the caller no longer waits.
   Buffer wait(std::string& problem) {
     // Cameras ignore a trigger that comes before they are ready, and networks lose frames: one that does not come is
     // asked for again.
@@ -486,7 +487,7 @@ class AravisSource final : public FrameSource {
 
   /// The middle of the exposure, CLOCK_MONOTONIC [s].
   double captured_at(ArvBuffer& buffer, double now, int passed_over) {
-    // The library stamps a frame's first packet by the wall clock, which somebody may have set meanwhile.
+    // The library stamps a frame's first packet by the wall clock, which may have been set meanwhile.
     const double since = 1e-6 * static_cast<double>(g_get_real_time()) -
                          1e-9 * static_cast<double>(arv_buffer_get_system_timestamp(&buffer));
     const double first_packet = now - std::clamp(since, 0.0, 1.0);
@@ -553,7 +554,7 @@ class AravisSource final : public FrameSource {
   DeviceClock clock_;
   std::int64_t frames_ = 0;
   int damaged_ = 0;         // frames in a row
-  bool left_ = false;       // whoever waited for a frame does not any more
+  bool left_ = false;       // the caller no longer waits for a frame
   bool fresh_ = true;       // no frame since it was opened
   double out_since_ = 0.0;  // since when it has not delivered
   double last_capture_ = 0.0;

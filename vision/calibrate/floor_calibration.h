@@ -47,9 +47,9 @@ tl::expected<Calibration, std::string> solve_floor(const Calibration& intrinsics
 /// at least six marks.
 const FloorMark* suspect(const Calibration& intrinsics, const std::vector<FloorMark>& marks);
 
-/// By how much one mark must be off so that the marks which a solution was made of disagree as they do, if all others
-/// are right: the solution follows the wrong one, among four so far that a quarter of its error is left as a residual.
-/// Infinite for three marks, which never disagree. [m]
+/// The error of one mark that would explain the residuals of a solution if all other marks were right: the solution
+/// follows the wrong mark, with four marks so far that only a quarter of its error is left as a residual. Infinite for
+/// three marks, which never disagree. [m]
 double single_error(const FloorCheck& check);
 
 /// A solution that one wrong mark does not spoil.

@@ -97,7 +97,8 @@ const std::vector<Detection>& TagDetector::detect(const Frame& frame, Window win
     return parts_->found;
   }
 
-  // AprilTag only reads the pixels: it would write to them if asked to blur before the search, which nobody asks here.
+  // AprilTag only reads the pixels: it would write to them only if it had to blur before the search, which it is not
+  // asked to do here.
   if (width == frame.width) {
     parts_->search(frame, {width, height, width, const_cast<std::uint8_t*>(frame.row(top))}, left, top);
     return parts_->found;

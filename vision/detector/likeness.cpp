@@ -66,7 +66,7 @@ double likeness(const Frame& frame, const Corners& corners, const TagPattern& pa
     like2 += tag * tag;
     both += grey * tag;
   }
-  // More than a third outside: nobody can tell.
+  // More than a third outside: no conclusion is possible.
   if (n < 0.67 * static_cast<double>(SampleGrid::points)) return 0.0;
   const double scatter = (seen2 - seen * seen / n) * (like2 - like * like / n);
   return scatter > 1e-9 ? (both - seen * like / n) / std::sqrt(scatter) : 0.0;

@@ -318,7 +318,7 @@ std::vector<CameraFinding> CameraExamination::judge(const CameraMeasurements& m)
     say(missing > some_missing ? State::ill : State::well, "gaps", fmt::format("{} frames are missing", m.missing),
         "a port of its own on the computer, no hub; close other programs");
     if (m.backwards > 0)
-      say(State::ill, "regularity", fmt::format("{} stamps are not later than the one before", m.backwards),
+      say(State::ill, "regularity", fmt::format("{} stamps are not later than the previous one", m.backwards),
           "the driver's stamps cannot be used: update it, or use another camera");
     else if (m.stamp_jitter >= some_jitter && m.latency_jitter < 0.5 * m.stamp_jitter)
       say(State::note, "regularity",

@@ -36,7 +36,7 @@ struct CameraMeasurements {
   double rate = 0.0;            // real; missing frames count [frames/s]
   double stamp_jitter = 0.0;    // rms deviation of stamp intervals from multiples of the usual one [s]
   std::int64_t missing = 0;     // frames, by gaps between stamps
-  std::int64_t backwards = 0;   // stamps that are not later than the one before
+  std::int64_t backwards = 0;   // stamps that are not later than the previous one
   double latency = 0.0;         // from capture to arrival, median [s]
   double latency_p99 = 0.0;     // [s]
   double latency_jitter = 0.0;  // rms about the median [s]

@@ -4,7 +4,7 @@
 
 namespace skein::vision {
 
-/// A fault that the operator is told of: only if it lasts, and once until it has gone.
+/// A fault that is reported to the operator only if it lasts, and only once until it has gone.
 class LastingFault {
  public:
   static constexpr double long_enough = 2.0;  // [s]

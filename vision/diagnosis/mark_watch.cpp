@@ -70,7 +70,8 @@ MarkSight MarkWatch::judge(const std::vector<Detection>& found) const {
     displaced.push_back(*by);
     const double distance = by->norm();
     all += distance;
-    // Between the two nobody says: a camera that drifts takes them over the border one after the other.
+    // A mark between the two limits counts for neither: a camera that drifts moves the marks over the limit one after
+    // the other.
     if (distance <= 0.5 * tolerance) ++stayed;
     if (distance <= tolerance) continue;
     sight.moved.push_back(mark.tag);

@@ -15,9 +15,9 @@ namespace skein::vision {
 struct MarkSight {
   enum class State {
     in_place,      ///< most are where they were, and none is elsewhere
-    some_moved,    ///< most are where they were, and some are elsewhere: somebody moved those
-    camera_moved,  ///< three and more, and most, are elsewhere
-    too_few,       ///< fewer than three are seen: nothing can be said
+    some_moved,    ///< most are where they were, and some are elsewhere: these were moved by hand
+    camera_moved,  ///< at least three, and most of those seen, are elsewhere
+    too_few,       ///< fewer than three are seen: nothing can be concluded
     unclear,       ///< neither most are where they were, nor most elsewhere
   };
   State state = State::too_few;
@@ -36,8 +36,8 @@ std::string sentence(const MarkSight& sight);
 
 /// Compares where a camera sees the marks of its floor calibration with where it saw them when it was calibrated (or
 /// with their measured places, if it did not see them then). If all visible marks have moved, the camera has; if one
-/// has, somebody moved that mark. A sight counts only when the next one agrees, so that neither a hand in the picture
-/// nor a torn frame matters; only the very first one counts alone, if it finds nothing wrong. For one thread.
+/// has, that mark was moved by hand. A sight counts only when the next one agrees, so that neither a hand in the
+/// picture nor a torn frame matters; only the very first one counts alone, if it finds nothing wrong. For one thread.
 class MarkWatch {
  public:
   static constexpr double tolerance = 5e-3;     ///< a mark farther than this from its place has moved [m]

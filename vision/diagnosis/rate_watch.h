@@ -5,8 +5,8 @@
 
 namespace skein::vision {
 
-/// Whether a camera's frames come as often as it was asked for. Many lower their rate in the dark without a word, and
-/// one whose bus is full leaves frames out. For one thread.
+/// Whether a camera's frames come as often as it was asked for. Many cameras lower their rate in the dark without
+/// reporting it, and a camera whose bus is full leaves frames out. For one thread.
 class RateWatch {
  public:
   /// Of the rate asked for.

@@ -13,7 +13,7 @@ class TagAbsence {
   /// the tag is expected.
   void seen(double t) { seen_ = t, asked_ = false; }
   bool lasts(double t) const { return t - seen_ > patience; }
-  /// The absence lasts, and nobody has looked for the reason since the tag was last seen.
+  /// The absence lasts, and the reason has not been looked for since the tag was last seen.
   bool due(double t) const { return lasts(t) && !asked_; }
   void ask() { asked_ = true; }
   bool asked() const { return asked_; }

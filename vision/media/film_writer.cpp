@@ -192,7 +192,7 @@ class MatroskaFilm final : public FilmWriter {
 
 std::unique_ptr<FilmWriter> create_film(const std::string& path, const FilmNotes& notes, FilmCoding coding,
                                         std::string& error) {
-  av_log_set_level(AV_LOG_QUIET);  // what matters is said by whoever asked
+  av_log_set_level(AV_LOG_QUIET);  // the caller reports what matters
   auto film = std::make_unique<MatroskaFilm>(path, notes, coding);
   error = film->create();
   if (!error.empty()) return nullptr;

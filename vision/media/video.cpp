@@ -176,7 +176,7 @@ class Video final : public FrameSource {
 }  // namespace
 
 std::unique_ptr<FrameSource> open_video(const std::string& path, std::string& error) {
-  av_log_set_level(AV_LOG_QUIET);  // what matters is said by whoever asked
+  av_log_set_level(AV_LOG_QUIET);  // the caller reports what matters
   if (std::error_code code; !std::filesystem::is_regular_file(path, code)) {
     error = fmt::format("{}: no such file", path);
     return nullptr;

@@ -27,11 +27,11 @@ struct Aravis {
   std::vector<NetworkCamera> (*discover)();
 
   /// A description for the operator, line by line: what a camera can do and how it is set; empty on failure, with the
-  /// reason in `error`. Does not change the camera, but nobody else may be reading frames from it.
+  /// reason in `error`. Does not change the camera, but no other reader may be using it.
   std::vector<std::string> (*describe)(const std::string& camera, std::string& error);
 
-  /// Sets controls and reads back exposure and gain; empty on failure, with the reason in `error`. Nobody else may be
-  /// reading frames from it.
+  /// Sets controls and reads back exposure and gain; empty on failure, with the reason in `error`. No other reader may
+  /// be using it.
   CameraSettings (*settings)(const std::string& camera, const ControlSettings& set, std::string& error);
 };
 

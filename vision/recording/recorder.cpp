@@ -70,7 +70,7 @@ void Recorder::put(const Frame& frame) {
 void Recorder::work() {
   for (std::int64_t done = 0;; ++done) {
     wait(ready_);
-    // One post a frame, and one behind the last: whoever is woken up and finds no frame has written all of them.
+    // One post a frame, and one behind the last: a thread that is woken and finds no frame has written all of them.
     if (done == put_.load(std::memory_order_acquire)) break;
     const std::size_t next = static_cast<std::size_t>(done) % waiting_.size();
     if (!broken_.load(std::memory_order_relaxed)) {

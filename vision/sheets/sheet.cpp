@@ -51,7 +51,7 @@ void add_tag(Page& page, int tag, const detail::TagPattern& pattern, double size
   page.words.push_back({left, bottom + 0.6 * caption, letters, fmt::format("36h11  {}   {:g} mm", tag, size)});
 }
 
-/// Tells whoever prints it whether the printer has changed the size.
+/// Shows on the print whether the printer has changed the size.
 void add_ruler(Page& page) {
   const double y = page.height - margin;
   page.lines.push_back({margin, y, margin + 100.0, y, 2.0 * hairline, false});

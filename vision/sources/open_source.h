@@ -44,7 +44,7 @@ struct SourceKind {
   tl::expected<std::vector<std::string>, std::string> (*describe)(const std::string& where) = nullptr;
 
   bool triggers = false;             ///< the camera can be triggered, see SourceOptions::trigger
-  bool settable_while_read = false;  ///< `settings` works while somebody reads frames from the camera
+  bool settable_while_read = false;  ///< `settings` works while frames are read from the camera
 };
 
 /// All kinds. An experiment's "synthetic" camera is not among them: it renders simulated robots.
@@ -86,7 +86,7 @@ tl::expected<std::unique_ptr<FrameSource>, std::string> open_source(std::string_
 /// the camera has them. The error: it is not a camera, it does not answer, or a control cannot be set as requested.
 tl::expected<CameraSettings, std::string> camera_settings(std::string_view address, const ControlSettings& set = {});
 
-/// Whether camera_settings() works while somebody reads frames from the camera.
+/// Whether camera_settings() works while frames are read from the camera.
 bool settable_while_read(std::string_view address);
 
 }  // namespace skein::vision

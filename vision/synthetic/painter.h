@@ -174,7 +174,7 @@ class Painter {
   template <int samples, typename Shader>
   void paint_cell(Canvas& canvas, const Box& area, const Patch& patch, Shader& shader) const {
     constexpr bool may_be_even = requires { shader.even(0.0F, 0.0F, 0.0F); };
-    // For few samples, asking takes as long as sampling.
+    // With few samples, the question takes as long as the samples.
     constexpr bool ask_each_pixel = may_be_even && samples > 4;
     Sums sums;
     const auto fill = [&sums](const Shade& shade, std::size_t from, std::size_t end) {

@@ -20,7 +20,7 @@ constexpr double follow_for = 0.5;
 
 constexpr double degree = core::pi / 180.0;
 
-// Faster turning is no robot's, but a fit that has gone wrong or a tag in somebody's hand. [rad/s]
+// No robot turns faster: it is a fit that has gone wrong, or a tag that is held by hand. [rad/s]
 constexpr double fastest_turn = 720.0 * degree;
 
 // Below this part of the best-lit tag's contrast a tag is in the dark: a search for its like would take the texture of
@@ -314,7 +314,7 @@ void TrackerParts::reject(std::int64_t& reason) {
   ++counters.rejected;
 }
 
-/// A tag that seems larger than all the others is nearer to the camera than they are: somebody holds it.
+/// A tag that seems larger than all the others is nearer to the camera than they are: it is held up.
 void TrackerParts::compare_shapes() {
   stretches.clear();
   for (WantedTag& tag : wanted) {
@@ -339,7 +339,7 @@ void TrackerParts::conclude(const Frame& frame) {
   double least_noise = 255.0;
   for (WantedTag& tag : wanted) {
     if (tag.ghost) {
-      // Which of the two is the robot? Nobody knows: none is reported, and only a full search that finds one ends it.
+      // It is not known which of the two is the robot: neither is reported until a full search finds only one.
       ++counters.ghosts;
       tag.following = false;
       tag.ambiguous = true;

@@ -14,9 +14,9 @@ namespace skein::vision {
 
 struct TrackerParts;
 
-/// Frames in, poses of the wanted tags out. A tag seen before is fitted photometrically from where it should be by now
-/// (a few microseconds); AprilTag finds the first ones and those that are lost: in a window, where a cheap gate sees
-/// something like a tag, or in the full frame. Not for two threads at once.
+/// Frames in, poses of the wanted tags out. A tag seen before is fitted photometrically, starting from where it should
+/// be by now (a few microseconds); AprilTag finds the first ones and those that are lost: in a window, where a cheap
+/// gate sees something like a tag, or in the full frame. Not for two threads at once.
 class TagTracker {
  public:
   /// The calibration must have a world frame (std::invalid_argument: that is the caller's mistake).
@@ -35,7 +35,7 @@ class TagTracker {
   /// means over their last 100 fits. None: no tag has 25 fits yet.
   std::optional<double> stretch() const;
 
-  /// How much the camera blurs the tags, across the way that they drive: standard deviation [px], likewise. A lens in
+  /// How much the camera blurs the tags, across their direction of motion: standard deviation [px], likewise. A lens in
   /// focus: 0.9, of which 0.5 are the pixels' own.
   std::optional<double> blur() const;
 

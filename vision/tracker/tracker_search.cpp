@@ -26,7 +26,7 @@ constexpr int most_audit_windows = 1;
 // the number of its strips, so that each has its turn. [frames]
 constexpr int recheck_every = 26;
 
-// So that the list of such places stays short where robots drive about that nobody wants. [frames]
+// Keeps the list of such places short where robots with unwanted tags drive about. [frames]
 constexpr std::int64_t forget_after = 500;
 
 // Two tags side by side are an edge apart and two papers' widths: what the gate sees nearer to one is the tag itself.

@@ -61,8 +61,7 @@ tl::expected<CameraDescription, std::string> describe_camera(const std::string& 
 tl::expected<std::vector<std::string>, std::string> set_controls(const detail::V4l2Device& device,
                                                                  const ControlSettings& settings);
 
-/// Sets controls of a camera and reads back its exposure, gain and focus. Somebody may be reading frames from the
-/// camera meanwhile.
+/// Sets controls of a camera and reads back its exposure, gain and focus. A reader may be using the camera meanwhile.
 tl::expected<CameraSettings, std::string> v4l2_settings(const std::string& device, const ControlSettings& set = {},
                                                         V4l2Kernel& kernel = system_kernel());
 

@@ -251,7 +251,7 @@ class V4l2Camera final : public FrameSource {
     height_ = static_cast<int>(format.fmt.pix.height);
     stride_ = format.fmt.pix.bytesperline;
     if (format_ != pixels_->number)
-      return fmt::format("{}: gives {} where {} was asked for", device_.path(), four_letters(format_),
+      return fmt::format("{}: gives {} instead of the requested {}", device_.path(), four_letters(format_),
                          four_letters(pixels_->number));
     if (options.width > 0 && (width_ != options.width || height_ != options.height)) {
       return fmt::format("{}: cannot give {}x{} in {}, only {}x{}", device_.path(), options.width, options.height,
@@ -394,7 +394,7 @@ class V4l2Camera final : public FrameSource {
   std::int64_t frames_ = 0;
   std::int64_t next_look_ = 0;  // at the controls: when so many frames have come
   int damaged_ = 0;             // frames in a row
-  bool left_ = false;           // whoever waited for a frame does not any more
+  bool left_ = false;           // the caller no longer waits for a frame
   bool fresh_ = true;           // no frame since it was opened
   double out_for_ = 0.0;        // how long it has not delivered [s]
   double last_stamp_ = 0.0;

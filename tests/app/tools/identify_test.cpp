@@ -185,7 +185,7 @@ TEST(Identify, NamesARobotThatStandsThoughItIsToldToDrive) {
     seen.pose = {poses.front().pose.x + 0.001 * noise.gaussian(), poses.front().pose.y + 0.001 * noise.gaussian(),
                  poses.front().pose.theta + 0.005 * noise.gaussian()};
   const auto found = identify_robots(std::move(history));
-  EXPECT_THAT(doubts(found[1]), ElementsAre(HasSubstr("it stood though it was told to drive")));
+  EXPECT_THAT(doubts(found[1]), ElementsAre(HasSubstr("it stood though it was commanded to drive")));
   EXPECT_THAT(values_to_keep(found[1]), IsEmpty());
   EXPECT_THAT(doubts(found[0]), IsEmpty()) << "the control: one that drives";
 }
