@@ -77,7 +77,7 @@ void AsercomSession::read_lines(double now) {
         else if (reply->text.starts_with("v,"))
           counters_.version = reply->text.substr(2);
         break;
-      case Reply::Kind::wheels:  // nothing binary is asked for before the stop is answered
+      case Reply::Kind::wheels:  // no binary request is sent before the stop is answered
         break;
     }
   }

@@ -90,7 +90,7 @@ void LinkSession::repeat_stop(double now) {
 
 void LinkSession::resynchronise(std::string reason, double now) {
   // A command that was not confirmed is sent again once the robot listens, unless a newer one came, or comes with the
-  // next tick anyway: a robot that never takes what it is told would be sent the same as fast as it answers.
+  // next tick anyway: a robot that never takes its commands would be sent the same as fast as it answers.
   if (unconfirmed_ && !pending_ && !options_.repeat_speeds) pending_ = unconfirmed_;
   unconfirmed_.reset();
   stop_acknowledged_ = false;

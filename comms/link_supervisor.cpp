@@ -58,7 +58,7 @@ Clock::time_point in(double seconds) {
 
 }  // namespace
 
-/// The thread and what it shares. The links are the thread's own, but for their slots; others look at them only with
+/// The thread and what it shares. The links belong to the thread, except for their slots; others look at them only with
 /// `mutex_` held, which the thread lets go of whenever it waits.
 class LinkSupervisor::Loop {
  public:
@@ -130,7 +130,7 @@ class LinkSupervisor::Loop {
   CrashThread crash_{[](void* loop) noexcept { static_cast<Loop*>(loop)->emergency_stop(); }, this};
 
   mutable std::mutex mutex_;
-  std::condition_variable turned_;  // told after every turn
+  std::condition_variable turned_;  // notified after every turn
   double close_by_ = 0.0;           // guarded by mutex_
   bool started_ = false;            // guarded by mutex_
   std::mutex close_mutex_;          // one close() at a time

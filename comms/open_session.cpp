@@ -47,7 +47,7 @@ constexpr auto two_stops = [] {
   return bytes;
 }();
 
-/// The size of the frame that begins `bytes`; 0: none does. Needs `head` bytes to be told from what is not.
+/// The size of the frame that begins `bytes`; 0: none does. Needs `head` bytes to distinguish a frame from other bytes.
 std::size_t frame_size(std::span<const std::uint8_t> bytes) noexcept {
   if (bytes[0] != 'S' || bytes[1] != 'k' || bytes[6] > most_payload) return 0;
   return head + bytes[6] + check;
@@ -145,7 +145,7 @@ void OpenSession::put_stop() {
 void OpenSession::put_request(std::optional<WheelCommand> speeds, Question question) {
   newest_ = speeds.value_or(newest_);
   const auto left = static_cast<std::uint16_t>(newest_.left), right = static_cast<std::uint16_t>(newest_.right);
-  // A robot that was told nothing since it was stopped is only asked.
+  // A robot that was sent no command since its stop is only asked.
   if (speeds || newest_ != WheelCommand{})
     put('W', std::array{low_byte(left), high_byte(left), low_byte(right), high_byte(right)});
   else

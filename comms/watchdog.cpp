@@ -13,7 +13,7 @@
 namespace skein::comms {
 namespace {
 
-/// A line as the guard is told of it; a new guard is told of all that are open.
+/// A line as it is announced to the guard; all open lines are announced to a new guard.
 struct Line {
   int descriptor = -1;
   GuardMessage message;

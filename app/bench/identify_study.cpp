@@ -37,7 +37,7 @@ constexpr double frame_period = 0.04;
 constexpr unsigned umbmark_drives = 4;
 constexpr core::MotorModel stepper = core::MotorModel::epuck2;
 
-/// What a robot is asked for at time t; `seen` is where it was seen last.
+/// The command to a robot at time t; `seen` is where it was seen last.
 struct Manoeuvre {
   std::string name;
   double seconds = 0.0;

@@ -33,7 +33,7 @@ bool at_terminal(bool quiet) {
   return !quiet && isatty(STDERR_FILENO) != 0;
 }
 
-/// A source, with what a camera made of what it was asked for. None, and `status` says why.
+/// A source, with the settings that a camera took instead of the requested ones. None: `status` says why.
 std::unique_ptr<vision::FrameSource> open(const std::string& name, const CameraWords& words,
                                           const vision::Calibration* calibration, int& status) {
   auto options = words.read(name);

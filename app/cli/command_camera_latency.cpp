@@ -35,7 +35,7 @@ void print(const CameraLatency& camera, double corrected) {
 /// What goes into the files: of a camera, and what the turns do not tell of it.
 struct Told {
   double latency = none;   // camera.latency [s]
-  double row_time = none;  // of its calibration; none: not asked for, or not told [s]
+  double row_time = none;  // of its calibration; none: not requested, or not known [s]
   std::string doubt{};
 };
 

@@ -187,7 +187,7 @@ int run(const RunRequest& request) {
   for (const auto& file : files) {
     try {
       file->finish();
-    } catch (const std::exception& error) {  // whether the robots stand must be told all the same
+    } catch (const std::exception& error) {  // whether the robots stand must be reported all the same
       if (summary.failure.empty()) summary.failure = error.what();
     }
   }

@@ -44,7 +44,7 @@ std::string words_of(const SweepRequest& request, std::string (*set_word)(const 
   return text;
 }
 
-/// The study as asked for, for the commands that repeat a part of it.
+/// The study as requested, for the commands that repeat a part of it.
 std::string sweep_command(const SweepRequest& request) {
   return "skein sweep " + quoted(request.file) + words_of(request, quoted);
 }

@@ -32,7 +32,7 @@ namespace fs = std::filesystem;
 using State = Finding::State;
 using Findings = std::vector<Finding>;
 
-constexpr int needed_priority = 22;            // the guard's, the highest that is asked for
+constexpr int needed_priority = 22;            // the guard's, the highest that is requested
 constexpr std::size_t robots_per_adapter = 7;  // of Bluetooth
 constexpr double megabyte = 1e6;
 

@@ -94,7 +94,7 @@ void check_robots(const Experiment& e, Problems& problems) {
   }
 }
 
-/// What (18a) asks of the tracking gains of (36): that the reference and the couplings leave something of `whole`.
+/// The condition (18a) for the tracking gains of (36): the reference and the couplings must leave a part of `whole`.
 struct Bound {
   const char* equation;
   const char* whole_name;

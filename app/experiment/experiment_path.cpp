@@ -35,7 +35,7 @@ bool through_points(const PathSpec& path) noexcept {
   return path.shape == PathShape::polyline || path.shape == PathShape::spline || path.shape == PathShape::line;
 }
 
-/// A spline has to be told which way it bends.
+/// An open spline needs a third point: two do not say which way it bends.
 std::size_t fewest_points(const PathSpec& path) noexcept {
   return path.closed || path.shape == PathShape::spline ? 3 : 2;
 }

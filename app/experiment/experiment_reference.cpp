@@ -177,7 +177,8 @@ void check_arena(const Experiment& e, const core::Reference& reference, Problems
                     significant(farthest.x, 4), significant(farthest.y, 4), x_most, x_most, y_most, y_most, room));
 }
 
-/// What a robot's body and its detection region ask of an offset. Known once: offsets are hundreds of thousands.
+/// The conditions of a robot's body and its detection region on an offset. Computed once: there are hundreds of
+/// thousands of offsets.
 class Rooms {
  public:
   explicit Rooms(const Experiment& e) : platoon_(e.reference.kind == Kind::platoon) {

@@ -139,7 +139,7 @@ RobotSpec finished(const RobotKeys& keys, Problems& problems) {
   const bool linked = robot.has_link();
   const auto address = comms::parse_link_address(robot.address);
   const core::RobotType& type = keys.model ? *keys.model : address ? type_spoken(*address) : linked ? epuck2 : ideal;
-  // A robot is asked for whole speeds; only a simulation can do better.
+  // A robot takes whole speeds only; a simulation can do better.
   if (linked && type.motor == core::MotorModel::ideal)
     problems.add(keys.model_key, fmt::format("found \"{}\", allowed: {}; only a robot of link \"sim\" can be ideal",
                                              type.name, linked_type_names()));

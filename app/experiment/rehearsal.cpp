@@ -18,7 +18,7 @@ tl::expected<Experiment, std::vector<Problem>> rehearsal(const Experiment& exper
     const RobotSpec& robot = experiment.robots[i];
     if (!robot.is_real()) continue;
     sets.push_back(fmt::format("robot.{}.link=\"loopback\"", i + 1));
-    sets.push_back(fmt::format("robot.{}.model=\"{}\"", i + 1, robot.type->name));  // its link would have told
+    sets.push_back(fmt::format("robot.{}.model=\"{}\"", i + 1, robot.type->name));  // its real link implied it
   }
   for (std::size_t number = 0; number < experiment.cameras() && is_hardware(experiment.camera.kind()); ++number) {
     const std::string table = number == 0 ? "camera" : fmt::format("camera.also.{}", number);

@@ -220,7 +220,7 @@ bool reach(const RunMarker& run, const WatchedMarker& marker, const std::vector<
       return std::all_of(orphans->begin(), orphans->end(), [](const auto& o) { return o->stopped.load(); });
     };
     const bool last = all_stand();
-    if (last) run.forget();  // before anybody is told
+    if (last) run.forget();  // before the result is reported
     if (socket)
       socket->turn([&](std::string_view word) { forget = forget || word == "forget"; }, results, last || forget);
     if (last) return true;
@@ -233,7 +233,7 @@ bool reach(const RunMarker& run, const WatchedMarker& marker, const std::vector<
         tell(fmt::format(
             "{}: NOT known to be stopped for {:.0f} s: {}; the guard keeps trying (`skein robots forget` ends it)",
             robot.address, 1e-9 * static_cast<double>(now - since), robot.reason));
-    // A terminal is told again and again; a script that reads our end of a pipe is let go.
+    // A terminal gets repeated messages; a script that reads our end of a pipe is released.
     released = ::isatty(STDERR_FILENO) == 0;
     if (const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC); released && nowhere >= 0)
       ::dup2(nowhere, STDERR_FILENO);

@@ -85,7 +85,7 @@ std::vector<StopResult> parse_results(std::string_view text) {
 
 tl::expected<StopSocket, std::string> StopSocket::listen(const std::string& path) {
   const int descriptor = ::socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-  ::unlink(path.c_str());  // that of the run before the guard
+  ::unlink(path.c_str());  // that of the run, which preceded the guard
   const auto bind = [&](const sockaddr* address, socklen_t size) { return ::bind(descriptor, address, size); };
   if (descriptor < 0 || with_address(path, bind) != 0 || ::listen(descriptor, 64) != 0) {
     const std::string error = fmt::format("{}: no stop socket: {}", path, std::strerror(errno));

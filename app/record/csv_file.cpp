@@ -52,7 +52,7 @@ void CsvFile::finish() {
 void CsvRecorder::begin(const std::string& path, const Experiment& experiment, Rows before) {
   // The operator may yet change a gain; and has been asked whether a file there may go.
   auto file = std::make_unique<CsvFile>(path, experiment, CsvOptions{.pair_gains = true, .rules = {.force = true}});
-  file->flush();  // the head: a disk that takes nothing is told of at once
+  file->flush();  // the head: a disk that accepts nothing is reported at once
   const std::lock_guard lock(mutex_);
   file_ = std::move(file);
   last_known_ = before.empty() ? -std::numeric_limits<double>::infinity() : before.back()->now;
@@ -89,7 +89,7 @@ void CsvRecorder::record(const TickRecord& record) {
   const std::lock_guard lock(mutex_);
   if (file_) {
     write_before();
-    if (record.now > last_known_) file_->record(record);  // else the caller was told of it before this sink was
+    if (record.now > last_known_) file_->record(record);  // otherwise the caller got it before this sink did
   }
   recent_.push_back(record);
   if (recent_.size() > most_recent) recent_.pop_front();

@@ -180,7 +180,7 @@ void Statistics::count_collisions(const TickRecord& record) {
 void Statistics::disturb(double t, double clock, const Event& event) {
   const std::string what = describe(event);
   const int robot = static_cast<int>(robot_of(event).value());
-  if (disturbances_.size() > most_events) return;  // one more than are told: it ends the last of them
+  if (disturbances_.size() > most_events) return;  // one more than are reported: it ends the last of them
   const bool first = disturbances_.empty();
   if (first || t - disturbances_.back().t > one_disturbance) {
     if (!first) disturbances_.back().settling = bands_.since(disturbances_.back().t, disturbances_.back().clock);
@@ -189,7 +189,7 @@ void Statistics::disturb(double t, double clock, const Event& event) {
     disturbances_.back().moved[static_cast<std::size_t>(robot)] = true;
     return;
   }
-  if (disturbances_.size() > 1) {  // the one before it lasted up to now
+  if (disturbances_.size() > 1) {  // the previous one lasted up to now
     Disturbance& last = disturbances_[disturbances_.size() - 2];
     last.settling = before_.since(last.t, last.clock);
   }

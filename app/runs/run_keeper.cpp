@@ -33,7 +33,7 @@ tl::expected<void, std::string> RunKeeper::begin(const KeepRequest& request, con
   std::unique_ptr<CsvFile> file;
   try {  // the operator may yet change a gain of a pair
     file = std::make_unique<CsvFile>(run->csv(), experiment, CsvOptions{.pair_gains = true, .rules = {}});
-    file->flush();  // the head: a disk that takes nothing is told of at once
+    file->flush();  // the head: a disk that accepts nothing is reported at once
   } catch (const std::exception& error) {
     return tl::unexpected(std::string(error.what()));
   }

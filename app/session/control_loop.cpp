@@ -218,7 +218,7 @@ void ControlLoop::carry_out(const Gesture& gesture, EventList& events) {
              gesture);
 }
 
-/// The file's actions that are due, as if the operator had asked for them; those of t = 0 while the robots still stand.
+/// The file's actions that are due, as if the operator had commanded them; those of t = 0 while the robots still stand.
 void ControlLoop::do_actions(double t, bool running, EventList& events) {
   const std::vector<OperatorAction>& actions = experiment_.actions;
   for (; next_action_ < actions.size() && room_for_events(events) > 0; ++next_action_) {
@@ -258,8 +258,8 @@ std::size_t ControlLoop::room_for_events(const EventList& events) const noexcept
   return events.room() - std::min(events.room(), expected);
 }
 
-/// What the operator asks of this tick. A step is a resume (or the start) now and a pause at the tick that follows: the
-/// record of it can be replayed like any other. What the tick's events have no room for waits for the next tick.
+/// The operator's commands to this tick. A step is a resume (or the start) now and a pause at the tick that follows:
+/// the record of it can be replayed like any other. What the tick's events have no room for waits for the next tick.
 void ControlLoop::take_commands(const EventList& events) {
   // A robot whose link is lost is held, until the operator releases it: somebody may be handling the robot.
   auto first = obeyed_.begin();
@@ -395,8 +395,8 @@ void ControlLoop::count_lateness(double late) noexcept {
   ticks_.store(true, std::memory_order_release);
 }
 
-/// Asleep, but for the moments around the time at which the frame is expected: then the tick begins when its poses are
-/// there, not when this thread has been woken. Where there is no second processor, watching would only delay the
+/// Sleeps, except for the moments around the time at which the frame is expected: then the tick begins when its poses
+/// are there, not when this thread has been woken. Where there is no second processor, watching would only delay the
 /// camera's thread.
 void ControlLoop::await_frame(const TickTimer::Window& window) noexcept {
   constexpr double watch = 2e-4;  // to either side of `expected`: 1 % of a period at 25 Hz at most [s]

@@ -1,4 +1,4 @@
-// What the operator, or the program for them, asks of a session.
+// The operator's commands to a session, or those of the program on their behalf.
 #include <algorithm>
 
 #include "app/session/session.h"

@@ -63,7 +63,7 @@ struct Examined {
             std::chrono::duration<double>(Clock::now() - begun).count()};
   }
 
-  /// What both counters do while the wheels are told these speeds.
+  /// What both counters do while the wheels are commanded these speeds.
   tl::expected<OneWheelTurn, std::string> turn(int left, int right) const {
     const auto before = counters();
     if (!before) return tl::unexpected(before.error());

@@ -324,9 +324,9 @@ void TickState::stop_for_camera() noexcept {
   record.phase = Phase::stopped;
 }
 
-/// What the links have made of the tick before: prediction goes by what was sent, and a robot is trusted with its speed
-/// as far as its link confirms that it obeys. Full speed for the first half of links.blind_distance, then less and
-/// less.
+/// What the links did with the previous tick's commands: prediction goes by what was sent, and a robot is trusted with
+/// its speed as far as its link confirms that it obeys. Full speed for the first half of links.blind_distance, then
+/// less and less.
 void TickState::hear_links(const TickInput& input) noexcept {
   for (std::size_t i = 0; i < robots(); ++i) {
     RobotRecord& robot = record.robots[i];
@@ -361,7 +361,7 @@ void TickState::watch_obedience(std::size_t i, const core::Measurement& first, d
   const double noise_angle = trusted_deviations * (first.sigma_theta + newest.sigma_theta);
   const double little = noise_angle + turns_little * seconds;
   const bool drives = std::abs(v) >= too_slow, turns = turned > little;
-  // One that reverses stands on the average, but one that stands is off by no more than it was told to drive.
+  // A robot that reverses stands on average, but one that stands differs by no more than its commanded speed.
   const bool reverses = off > noise + core::distance(first.pose, expected);
   const bool otherwise = ((drives || reverses) && off > noise + blind + contrary * seconds) ||
                          (turns && off_angle > noise_angle + (blind + contrary * seconds) / to_wheel(i));

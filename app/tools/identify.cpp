@@ -86,7 +86,7 @@ void RunHistory::hear(const TickRecord& row) {
   }
 }
 
-/// What the wheels were told, and when: at the tick, unless the link held it back.
+/// The commands to the wheels, and their times: that of the tick, unless the link held them back.
 void RunHistory::drive(Robot& robot, const TickRecord& row, const RobotRecord& record) const {
   core::WheelSpeeds speeds = record.wheels;
   double at = row.now;
@@ -95,7 +95,7 @@ void RunHistory::drive(Robot& robot, const TickRecord& row, const RobotRecord& r
     at = link.sent == robot.told && !std::isnan(before_) ? before_ : link.sent_at;
   }
   robot.told = record.wheels;
-  // Links do not send what the robot has been told already.
+  // Links do not repeat speeds that the robot has already been sent.
   if (std::isnan(speeds.left) || std::isnan(speeds.right) || speeds == robot.commanded) return;
   robot.commanded = speeds;
   robot.commanded_at = std::max(robot.commanded_at, at);

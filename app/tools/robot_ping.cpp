@@ -67,7 +67,7 @@ tl::expected<RobotPing, std::string> ping_robots(const Experiment& experiment, c
   comms::LinkSupervisor links(lines->addresses, link_options);
   if (net)
     net->on_stop([&] { stop_asked = true; },
-                 [&] {  // who is still being pinged is told to stand by the end of this
+                 [&] {  // robots that are still being pinged are commanded to stand by the end of this
                    std::vector<StopResult> robots;
                    for (const comms::LinkAddress& robot : *real)
                      robots.push_back({comms::to_text(robot), false, "it has not acknowledged its stop"});

@@ -274,7 +274,7 @@ tl::expected<void, std::string> RobotTest::cut_line(std::size_t robot, RobotTest
   const WheelCount first = plant_.robots().at(robot).count;
   if (auto begun = go_on(begins); !begun) return begun;
   const WheelCount second = plant_.robots().at(robot).count;
-  // Wheels that go further than they are told would seem to have driven on for longer. At least so fast:
+  // Wheels that turn farther than commanded would seem to have driven on for longer. At least so fast:
   const double counted = 0.5 * (second.left - first.left + second.right - first.right) / (second.by - first.since);
   plant_.hush(robot, silence);
   const LinkRecord before = loop_.link(robot);

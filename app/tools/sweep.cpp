@@ -147,7 +147,7 @@ class Distance final : public RecordSink {
   }
 
   struct Driven {
-    std::optional<double> v;  // in the tick before [m/s]
+    std::optional<double> v;  // in the previous tick [m/s]
     std::optional<bool> forwards;
   };
   double near_enough_;

@@ -163,7 +163,7 @@ class SocketEndpoint final : public Endpoint {
   }
   void write(std::span<const std::uint8_t> bytes) noexcept override {
     if (!host_.open()) return;
-    // The error of a broken connection is told once: an RFCOMM socket that told it here has nothing but EAGAIN for
+    // The error of a broken connection is reported once: an RFCOMM socket that reported it here has only EAGAIN for
     // recv().
     if (::send(host_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL) < 0 && errno != EAGAIN && errno != EINTR)
       host_.reset();

@@ -56,8 +56,8 @@ void LeaderFollowerController::step(const ControllerInput& input, std::span<Twis
     const Separation wanted = separation(of_leader.pose, own.pose, d);
     Separation rate;
     if (wanted.l > nearest) rate = separation_rate(of_leader.pose, of_leader.twist, own.pose, own.twist, d);
-    // What the follower's point shall do along the line from the leader and across it; the leader drives as it is told
-    // at this tick, as far as (14) lets it.
+    // The wanted motion of the follower's point along the line from the leader and across it; the leader drives as
+    // commanded at this tick, as far as (14) lets it.
     const double v_max = input.gains->v_max[before], omega_max = input.gains->omega_max[before];
     const Twist leads{std::clamp(command[before].v, -v_max, v_max),
                       std::clamp(command[before].omega, -omega_max, omega_max)};

@@ -67,7 +67,7 @@ class Filter {
  public:
   Filter(const IdentificationInput& input, const std::vector<bool>& used) : input_(input), used_(used) {}
 
-  /// The innovations of all poses but those that begin anew; `expected` gets the headings if it is asked for.
+  /// The innovations of all poses except those that begin anew; `expected`, if given, gets the headings.
   void run(const Parameters& p, std::vector<Found>& found, std::vector<double>* headings = nullptr) {
     found.clear();
     if (headings) headings->clear();
@@ -166,7 +166,7 @@ class Search {
   Search(const IdentificationInput& input, std::size_t innovations)
       : used_(innovations, true), filter_(input, used_), prior_(prior_of(input.believed)) {}
 
-  /// Minus the logarithm of the posterior, but for a constant.
+  /// Minus the logarithm of the posterior, up to a constant.
   double cost(const Parameters& p) {
     filter_.run(p, found_);
     double sum = 0.5 * (p - prior_.mean).cwiseQuotient(prior_.sigma).squaredNorm();

@@ -12,7 +12,7 @@
 namespace skein::core {
 namespace {
 
-/// A heading by counters, but for a constant. [rad]
+/// A heading by the counters, up to a constant. [rad]
 double heading_by(const DifferentialDrive& drive, const WheelKnot& wheels) {
   return pi / drive.steps_per_turn * (drive.right_diameter() * wheels.right - drive.left_diameter() * wheels.left) /
          drive.track;

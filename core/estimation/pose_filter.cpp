@@ -135,7 +135,8 @@ std::optional<Pose> PoseFilter::update(const FilterParameters& parameters, const
   return {};
 }
 
-/// State and covariance to `time`, by (1) with the commands sent and wheels that roll a little more or less than told.
+/// State and covariance to `time`, by (1) with the commands sent and wheels that roll a little more or less than
+/// commanded.
 void PoseFilter::propagate(const FilterParameters& parameters, double time) noexcept {
   const Predictor::Way way = way_to(time);
   const Pose before = pose_;

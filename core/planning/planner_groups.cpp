@@ -94,7 +94,8 @@ Planner::Start Planner::begin_route(std::size_t i, const Scene& scene) noexcept 
   Robot& robot = robots_[i];
   const Pose& pose = scene.poses[i];
   // A robot that drives goes on from its reference, so that noise does not become a jump; one that stands, from where
-  // it is. On a route, this tick's is still to come: from that of the tick before, it would be driven back.
+  // it is. On a route, this tick's reference is not computed yet: from that of the previous tick, the robot would be
+  // driven back.
   const bool on_route = robot.state == State::waiting || (robot.state == State::driving && rests(i, scene));
   const Pose on = on_route ? robot.route.at(robot.clock).pose : robot.reference.pose;
   const double v = std::abs(scene.commands[i].v) < slowest ? 0.0 : scene.commands[i].v;

@@ -42,7 +42,8 @@ constexpr double least_stall_wait = 0.25;
 // Between two looks whether anybody still waits for a camera. [s]
 constexpr double look = 0.05;
 
-// An incomplete frame holds back those behind it: packets are asked for again no longer than the next frame takes. [s]
+// An incomplete frame holds back those behind it: packets are requested again for no longer than the next frame takes.
+// [s]
 constexpr double least_retention = 0.005;
 constexpr double most_retention = 0.1;
 
@@ -228,7 +229,8 @@ class AravisSource final : public FrameSource {
     return failed ? failed_to("does not take its format", failed) : std::string();
   }
 
-  /// The size asked for, from the middle of the sensor: where a smaller picture lies decides the calibration's centre.
+  /// The requested size, from the middle of the sensor: the position of a smaller picture determines the calibration's
+  /// centre.
   std::string set_region() {
     Failure failed;
     gint x = 0;
@@ -499,7 +501,7 @@ class AravisSource final : public FrameSource {
       const bool at_the_end = clock_.delay() && *clock_.delay() < 0.9 * exposure_;
       return at_the_end ? stamped - half : stamped + half;
     }
-    // A frame that was asked for twice may be that of either trigger.
+    // A frame that was requested twice may belong to either trigger.
     if (software_trigger() && passed_over == 0 && asked_ == 1) {
       stamps_.store(TimeStamps::exposure_start, std::memory_order_relaxed);
       return triggered_at_ + half;

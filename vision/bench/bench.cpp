@@ -78,7 +78,7 @@ std::map<std::string, Scores>& known_scores() {
   return known;
 }
 
-/// Measured when the first of its methods is asked for.
+/// Measured when the first of its methods is requested.
 const Scores& scores_of(const BenchScene& scene) {
   auto& known = known_scores();
   const auto found = known.find(scene.name);

@@ -202,7 +202,7 @@ std::vector<BenchScene> bench_scenes() {
   scenes.push_back({"teleports 1 %", large, {}, 16, false, 8, false, Teleports(16)});
   scenes.push_back(
       {"motion blur 5 px", large, {}, 16, false, 4, true, [=](int k) { return smeared(sixteen(k), 5.0 * px); }});
-  // A lens out of focus, shortly before people are told.
+  // A lens out of focus, shortly before the operator is told.
   scenes.push_back({"lens blur 1.1 px", large, {.blur_px = 1.1}, 16, false, 4, true, sixteen});
   scenes.push_back({"contrast 43 sigma 6", large, dim, 16, false, 4, true, sixteen});
   scenes.push_back({"occluder", large, {}, 16, false, 8, true, [=](int k) { return with_arm(sixteen(k), large, k); }});

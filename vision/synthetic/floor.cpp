@@ -179,7 +179,7 @@ class FloorPainter {
 
  private:
   void strip(double x, double y, double angle, double length, double width, Shade shade) {
-    // In pieces, since every pixel of a box around the whole of a long thin one would be asked for.
+    // In pieces, since every pixel of a box around the whole of a long thin one would have to be computed.
     const int pieces = static_cast<int>(std::ceil(length / std::max(0.05, 2.0 * width)));
     const double piece = length / pieces;
     for (int i = 0; i < pieces; ++i) {

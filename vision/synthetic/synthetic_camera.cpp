@@ -46,8 +46,8 @@ struct SyntheticCamera::Parts {
   detail::Blur blur;
   detail::NoiseBank noise;
   Canvas floor;                       // sharp
-  Canvas sharp;                       // the floor but for the robots of the frame being drawn
-  std::vector<std::uint8_t> blurred;  // the floor as the lens shows it; so, too, but for these robots
+  Canvas sharp;                       // the floor without the robots of the frame being drawn
+  std::vector<std::uint8_t> blurred;  // the floor as the lens shows it, also without these robots
   std::vector<std::uint8_t> blurred_floor;
   std::vector<std::uint8_t> lit;  // by lamps that flicker
   std::vector<Box> touched;

@@ -16,7 +16,7 @@
 namespace skein::vision {
 namespace {
 
-/// Detections have no memory; this says which of them go on from the frame before.
+/// Detections have no memory; this says which of them continue from the previous frame.
 class Memory {
  public:
   How how(const Detection& detection, std::int64_t frame) {

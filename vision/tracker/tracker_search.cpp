@@ -9,8 +9,8 @@ namespace {
 
 using detail::Gate;
 
-// min_white_black_diff: the less is asked for, the more of the floor's texture must be looked at. A full search that
-// wants 40 grey levels takes a third of the time of one that wants 5, which only dim rooms need.
+// min_white_black_diff: the lower it is, the more of the floor's texture must be examined. A full search that wants 40
+// grey levels takes a third of the time of one that wants 5, which only dim rooms need.
 constexpr double well_lit = 40.0;
 constexpr double dim = 5.0;
 

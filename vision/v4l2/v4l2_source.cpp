@@ -120,7 +120,7 @@ class V4l2Camera final : public FrameSource {
                        fmt::join(names, " and "), names.size() == 1 ? "is" : "are");
   }
 
-  /// Empty, or that the camera gives fewer frames than it was asked for.
+  /// Empty, or a sentence that the camera gives fewer frames than requested.
   std::string slow_rate() const {
     if (options_.rate <= 0.0 || 1.0 / period_ >= as_good * options_.rate) return {};
     return fmt::format("{}: delivers {:.3g} frames/s at {}x{} {}, not {:.3g}", device_.path(), 1.0 / period_, width_,
@@ -333,7 +333,7 @@ class V4l2Camera final : public FrameSource {
   TimeStamps stamps_of(const v4l2_buffer& buffer) const {
     if ((buffer.flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) != V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC) return TimeStamps::arrival;
     if ((buffer.flags & V4L2_BUF_FLAG_TSTAMP_SRC_MASK) != V4L2_BUF_FLAG_TSTAMP_SRC_SOE) return TimeStamps::frame_end;
-    // uvcvideo calls every stamp the start of exposure, and reads the camera's own only if it is told to.
+    // uvcvideo calls every stamp the start of exposure, and reads the camera's own only if its option says so.
     const bool camera_stamps = device_.driver() != "uvcvideo" ||
                                device_.kernel().parameter("uvcvideo", "hwtimestamps").find_first_of("1Yy") == 0;
     return camera_stamps ? TimeStamps::exposure_start : TimeStamps::first_packet;
