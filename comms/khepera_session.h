@@ -28,8 +28,7 @@ std::span<const std::uint8_t> khepera_stop() noexcept;
 bool khepera_acknowledged(std::span<const std::uint8_t> heard) noexcept;
 
 /// LinkSession for a Khepera IV. A "d" may answer a line that the stop has completed, while the stop itself was
-/// discarded. A robot is therefore known to stand only when it has answered so many stops that the last one must be
-/// among them.
+/// discarded. A robot is known to stand only when the last stop must be among those that it has answered.
 class KheperaSession final : public LinkSession {
  public:
   explicit KheperaSession(const LinkOptions& options) : LinkSession(options, khepera_unit) {}

@@ -44,8 +44,7 @@ void LinkSession::lost(std::string reason, double now) {
   output_.clear();
   moving_allowed_ = false;
   garbled_ = false;
-  stop_acknowledged_ = false;  // it may have moved since: the robot that was last heard need not be the one that
-                               // answers next
+  stop_acknowledged_ = false;  // it may have moved since: another robot may answer next
   reason_ = std::move(reason);
 }
 
