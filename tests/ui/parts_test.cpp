@@ -47,6 +47,35 @@ TEST(Why, SaysInOneSentenceWhatGovernsARobot) {
   EXPECT_TRUE(why(record, 0).contains(QStringLiteral("not seen"))) << why(record, 0).toStdString();
 }
 
+TEST(Why, NamesALinkAndALawThatGiveNoNumberAndNotAHandThatHoldsNobody) {
+  app::TickRecord record;
+  record.phase = app::Phase::running;
+  record.robots.resize(2);
+  app::RobotRecord& r = record.robots[0];
+  r.truth = {0.0, 0.0, 0.0};
+  r.pose_age = 0.04;
+  r.law = {0.14, 0.2};
+  const auto says = [&](const char* words) {
+    EXPECT_TRUE(why(record, 0).contains(QLatin1String(words))) << why(record, 0).toStdString();
+  };
+  r.mode = app::stopped;
+  says("held");
+  for (const app::Phase phase : {app::Phase::running, app::Phase::staging}) {
+    record.phase = phase;
+    r.mode = app::stopped | app::late;
+    says("stands: its link");
+    EXPECT_FALSE(why(record, 0).contains(QStringLiteral("held"))) << "nobody can let it go";
+    r.mode = app::stopped;
+    EXPECT_FALSE(why(record, 0).contains(QStringLiteral("drives"))) << "it stands";
+    r.law = {app::none, app::none};
+    says("no number");
+    r.law = {0.14, 0.2};
+    r.mode = app::tracking | app::late;
+    r.command = {0.07, 0.1};
+    says("slowed to 0.070 m/s (the law asks 0.140 m/s): its link");
+  }
+}
+
 TEST(EventLog, CutsNoSentenceOff) {
   EventLog log;
   log.resize(280, 400);

@@ -40,6 +40,21 @@ QString limits(const app::RobotRecord& robot) {
   return tr("limited by (14): the law asks %1, sent is %2").arg(turning(robot.law.omega), turning(robot.command.omega));
 }
 
+/// Whose commands are not confirmed, so that it may not go on as the law asks.
+QString unconfirmed(const app::LinkInput& link) {
+  const QString link_says_nothing = tr("its link has not confirmed its commands");
+  return std::isfinite(link.blind_way)
+             ? tr("%1, it may have driven %2 cm since").arg(link_says_nothing).arg(100 * link.blind_way, 0, 'f', 1)
+             : link_says_nothing;
+}
+
+QString why_out(const app::RobotRecord& robot) {
+  if (robot.is(app::late)) return tr("stands: %1").arg(unconfirmed(robot.link.input));
+  if (!std::isfinite(robot.law.v) || !std::isfinite(robot.law.omega))
+    return tr("stands: the law gives no number for it");
+  return tr("held, out of the group, until it is released");
+}
+
 }  // namespace
 
 QString why(const app::TickRecord& record, std::size_t robot) {
@@ -59,11 +74,14 @@ QString why(const app::TickRecord& record, std::size_t robot) {
     case app::Phase::finished:
       return tr("stands: the run is over");
     case app::Phase::staging:
-      return tr("drives to its start, %1 cm away").arg(100 * core::distance(place(r), r.nominal.pose), 0, 'f', 1);
     case app::Phase::running:
       break;
   }
-  if (r.is(app::stopped)) return tr("held, out of the group, until it is released");
+  if (r.is(app::stopped)) return why_out(r);
+  if (r.is(app::late))
+    return tr("slowed to %1 (the law asks %2): %3").arg(speed(r.command.v), speed(r.law.v), unconfirmed(r.link.input));
+  if (record.phase == app::Phase::staging)
+    return tr("drives to its start, %1 cm away").arg(100 * core::distance(place(r), r.nominal.pose), 0, 'f', 1);
   if (r.is(app::shielded)) {
     const QString of = nearest(record, robot);
     return of.isEmpty()
