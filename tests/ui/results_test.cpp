@@ -205,6 +205,59 @@ TEST_F(Results, SayWhatAComparedRunDidOtherwise) {
   EXPECT_TRUE(table->isColumnHidden(beside));
 }
 
+TEST_F(Results, CompareAKickWithThatAtTheSameTimeAlthoughAHandWasThereBefore) {
+  const auto at = [](std::initializer_list<double> times) {
+    std::vector<RunResults::Kick> kicks;
+    for (const double t : times) kicks.push_back({.t = t, .what = {}, .words = {}, .formation = {}, .tracking = {}});
+    return kicks;
+  };
+  using Others = std::vector<std::optional<std::size_t>>;
+  EXPECT_EQ(counterparts(at({5, 18, 46}), at({18, 46})), (Others{{}, 0, 1}));
+  EXPECT_EQ(counterparts(at({18, 46}), at({5, 18, 46})), (Others{1, 2}));
+  EXPECT_EQ(counterparts(at({12.3, 30}), at({14.8})), (Others{0, {}})) << "by hand, at other times";
+  EXPECT_EQ(counterparts(at({18, 40}), at({18.02, 33, 50})), (Others{0, 1}));
+
+  app::Experiment experiment, with_hand;
+  const std::vector<app::TickRecord> rows = run({"duration=30"}, experiment);
+  with_hand = *app::parse_experiment(
+      experiment.source + "[[operator]]\nt = 5\ndoes = \"move r1 x=0.7 y=0.1 theta=1.57\"\n", "with a hand");
+  Rows others;
+  (*app::Session::open(with_hand, app::SessionOptions::Clock::virtual_, {false, {&others}}))->run();
+  ResultPanel panel;
+  panel.resize(900, 300);
+  panel.show();
+  panel.show_experiment(with_hand);
+  for (const app::TickRecord& row : others.rows) panel.show_record(row);
+  auto beside_it = std::make_shared<RunResults>(experiment);
+  for (const app::TickRecord& row : rows) beside_it->add_record(row);
+  panel.compare({{QStringLiteral("A"), QStringLiteral("left alone"), beside_it}});
+  auto* table = panel.findChild<QTableWidget*>(QStringLiteral("result_table"));
+  ASSERT_EQ(table->rowCount(), 2);
+  const int beside = table->columnCount() - 1;
+  EXPECT_EQ(table->item(0, beside)->text().toStdString(), "–") << "nobody moved a robot at 5 s there";
+  EXPECT_TRUE(table->item(1, beside)->text().contains(QStringLiteral("formation")))
+      << table->item(1, beside)->text().toStdString();
+}
+
+TEST_F(Results, AreNotJudgedInACopyBeforeTheRunIsOver) {
+  app::Experiment experiment;
+  const std::vector<app::TickRecord> rows = run({"duration=20", "expect.arrived=19"}, experiment);
+  RunResults results(experiment);
+  for (const app::TickRecord& row : rows) {
+    if (row.phase == app::Phase::finished) break;
+    results.add_record(row);
+  }
+  ASSERT_FALSE(results.expectations().empty());
+  QString text = as_text(QStringLiteral("platoon"), results);
+  EXPECT_FALSE(text.contains(QStringLiteral("✗")) || text.contains(QStringLiteral("✓"))) << text.toStdString();
+  EXPECT_TRUE(text.contains(QStringLiteral("… "))) << text.toStdString();
+  app::TickRecord last = rows.back();
+  last.phase = app::Phase::finished;
+  results.add_record(last);
+  text = as_text(QStringLiteral("platoon"), results);
+  EXPECT_TRUE(text.contains(QStringLiteral("✗")) || text.contains(QStringLiteral("✓"))) << text.toStdString();
+}
+
 TEST_F(Results, HaveTheirNumbersAndTheirTextOnTheScreensOfLaptops) {
   start();
   window.resize(1366, 728);

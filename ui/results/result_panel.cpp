@@ -46,7 +46,7 @@ ResultPanel::ResultPanel(QWidget* parent)
                          tr("What settled first, and by how much"),
                          tr("The smallest distance of two robots until the next kick"),
                          tr("The largest distance of a robot from its reference until the next kick"),
-                         tr("Difference to the compared run")};
+                         tr("Difference to the compared run's kick at the same time, or to the one in its place")};
   for (int k = 0; k < columns; ++k) table_->horizontalHeaderItem(k)->setToolTip(tips[k]);
   table_->setEditTriggers(QAbstractItemView::NoEditTriggers);
   table_->setSelectionBehavior(QAbstractItemView::SelectRows);
@@ -149,8 +149,11 @@ void ResultPanel::show_timing(const QString& text) {
 void ResultPanel::show_kicks() {
   const std::vector<RunResults::Kick> kicks = results_->kicks();
   std::vector<std::vector<RunResults::Kick>> others;
-  others.reserve(others_.size());
-  for (const Beside& other : others_) others.push_back(other.results->kicks());
+  std::vector<std::vector<std::optional<std::size_t>>> theirs;  // by run, then by kick
+  for (const Beside& other : others_) {
+    others.push_back(other.results->kicks());
+    theirs.push_back(counterparts(kicks, others.back()));
+  }
   table_->setColumnHidden(against, others_.empty());
   const int rows = static_cast<int>(kicks.size());
   table_->setRowCount(rows);
@@ -166,10 +169,11 @@ void ResultPanel::show_kicks() {
     const RunResults::Kick& kick = kicks[k];
     QStringList differences;
     for (std::size_t o = 0; o < others.size(); ++o) {
-      const QString text = k < others[o].size() ? tr("formation %1, tracking %2")
-                                                      .arg(difference(kick.formation, others[o][k].formation),
-                                                           difference(kick.tracking, others[o][k].tracking))
-                                                : QStringLiteral("–");
+      const auto other = theirs[o][k];
+      const QString text = other ? tr("formation %1, tracking %2")
+                                       .arg(difference(kick.formation, others[o][*other].formation),
+                                            difference(kick.tracking, others[o][*other].tracking))
+                                 : QStringLiteral("–");
       differences << (others.size() > 1 ? QStringLiteral("%1: %2").arg(others_[o].letter, text) : text);
     }
     const QString beside = differences.join(QStringLiteral("; "));

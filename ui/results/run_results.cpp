@@ -102,6 +102,27 @@ double RunResults::largest() const {
   return largest;
 }
 
+std::vector<std::optional<std::size_t>> counterparts(const std::vector<RunResults::Kick>& kicks,
+                                                     const std::vector<RunResults::Kick>& others) {
+  constexpr double at_once = 0.1;  // [s]
+  std::vector<std::optional<std::size_t>> found(kicks.size());
+  std::size_t next = 0, next_other = 0;  // the first of each that has not been told of yet
+  const auto in_order = [&](std::size_t end, std::size_t end_of_others) {
+    for (; next < end && next_other < end_of_others; ++next, ++next_other) found[next] = next_other;
+    next = end;
+    next_other = end_of_others;
+  };
+  for (std::size_t k = 0; k < kicks.size(); ++k)
+    for (std::size_t o = next_other; o < others.size(); ++o)
+      if (std::abs(kicks[k].t - others[o].t) < at_once) {
+        in_order(k, o);
+        found[next++] = next_other++;
+        break;
+      }
+  in_order(kicks.size(), others.size());
+  return found;
+}
+
 QString settling_text(const std::optional<double>& seconds) {
   return seconds ? tr("%1 s").arg(*seconds, 0, 'f', 2) : tr("not yet");
 }
@@ -126,8 +147,9 @@ QString as_text(const QString& name, const RunResults& results) {
   lines << tr("whole run: closest pair %1, largest error %2")
                .arg(centimetres(results.closest()), centimetres(results.largest()));
   for (const RunResults::Expectation& expected : results.expectations())
-    lines << (expected.holds() ? QStringLiteral("✓ ") + expected.what
-                               : QStringLiteral("✗ ") + expected.what + QStringLiteral(": ") + expected.found);
+    lines << (!results.is_over() ? QStringLiteral("… ") + expected.what + tr(" (the run is not over)")
+              : expected.holds() ? QStringLiteral("✓ ") + expected.what
+                                 : QStringLiteral("✗ ") + expected.what + QStringLiteral(": ") + expected.found);
   return lines.join(QLatin1Char('\n')) + QLatin1Char('\n');
 }
 

@@ -52,6 +52,11 @@ class RunResults {
   bool seen_ = false, started_ = false, over_ = false;
 };
 
+/// For each kick the one of another run that it is compared with: that at the same time; kicks between two of those are
+/// paired in their order. None: the other run has none.
+std::vector<std::optional<std::size_t>> counterparts(const std::vector<RunResults::Kick>& kicks,
+                                                     const std::vector<RunResults::Kick>& others);
+
 /// What settles first after a kick, and how much earlier: "formation 1.2 s earlier".
 QString order_of(const RunResults::Kick& kick);
 /// A duration for people: "1.52 s", "not yet".
@@ -59,7 +64,8 @@ QString settling_text(const std::optional<double>& seconds);
 /// "7.2 cm"; a dash where there is no number. [m]
 QString centimetres(double metres);
 
-/// Every kick a line, then closest approach, largest error and what was expected; for mail and notes.
+/// Every kick a line, then closest approach, largest error and what was expected, which a run that is not over has not
+/// been judged by; for mail and notes.
 QString as_text(const QString& name, const RunResults& results);
 /// The kicks as a LaTeX tabular (booktabs).
 QString as_latex(const RunResults& results);
