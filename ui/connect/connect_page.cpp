@@ -44,7 +44,7 @@ ConnectPage::ConnectPage(QWidget* parent)
       pair_(button(tr("Pair"), "connect_pair", tr("Pairs this PC with the chosen robots, and enters their PIN"))),
       ping_(button(tr("Ping"), "connect_ping",
                    tr("Asks the chosen robots for 4 s whether and how soon they answer, and for battery and firmware; "
-                      "nobody drives"))),
+                      "no robot drives"))),
       test_(button(tr("Test wheels and tag …"), "connect_test",
                    tr("Drives the chosen robots, one after the other, and tests wheels and tag; asks first"))),
       stop_(button(tr("Stop"), "connect_stop", tr("Ends what is being done; robots that drive are stopped at once"))),
