@@ -266,6 +266,12 @@ class LongBranch : public Branch {
     ASSERT_TRUE(eventually([&] { return paused(); }));
   }
   bool is_preparing() { return window.findChild<BranchController*>()->is_busy(); }
+  /// The strip says so, unless it still has the warning that this slow window stalled, which outranks a note.
+  bool says_that_it_prepares() {
+    return window.findChild<BranchController*>()->doing().contains(QStringLiteral("Preparing the run up to")) &&
+           (alert().contains(QStringLiteral("Preparing the run up to")) ||
+            alert().contains(QStringLiteral("the window stalled for")));
+  }
   void ask() { key(Qt::Key_B, nullptr, Qt::ControlModifier); }
 };
 
@@ -276,11 +282,11 @@ TEST_F(LongBranch, IsPreparedWhileTheWindowGoesOn) {
   ask();
   ASSERT_TRUE(is_preparing());
   EXPECT_TRUE(live().is_open() && !live().is_busy()) << "the run that is shown stays";
-  EXPECT_TRUE(alert().contains(QStringLiteral("Preparing the run up to"))) << alert().toStdString();
+  EXPECT_TRUE(says_that_it_prepares()) << alert().toStdString();
   ask();
   find<QAction>("take_back")->trigger();
   find<QAction>("do_again")->trigger();
-  EXPECT_TRUE(alert().contains(QStringLiteral("Preparing the run up to"))) << "asked again, nothing changes";
+  EXPECT_TRUE(says_that_it_prepares()) << "asked again, nothing changes";
   arena().select(17);
   EXPECT_TRUE(eventually([&] { return frames.size() > 1; }));
   EXPECT_TRUE(is_preparing()) << "the window shows frames meanwhile";
