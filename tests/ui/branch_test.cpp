@@ -266,12 +266,7 @@ class LongBranch : public Branch {
     ASSERT_TRUE(eventually([&] { return paused(); }));
   }
   bool is_preparing() { return window.findChild<BranchController*>()->is_busy(); }
-  /// The strip says so, unless it still has the warning that this slow window stalled, which outranks a note.
-  bool says_that_it_prepares() {
-    return window.findChild<BranchController*>()->doing().contains(QStringLiteral("Preparing the run up to")) &&
-           (alert().contains(QStringLiteral("Preparing the run up to")) ||
-            alert().contains(QStringLiteral("the window stalled for")));
-  }
+  bool says_that_it_prepares() { return alert().contains(QStringLiteral("Preparing the run up to")); }
   void ask() { key(Qt::Key_B, nullptr, Qt::ControlModifier); }
 };
 

@@ -397,6 +397,32 @@ TEST(AlertStrip, SaysEveryStateThatLastsTheGravestFirst) {
   EXPECT_EQ(strip.loud(), QString());
 }
 
+TEST(AlertStrip, SaysAnAnswerToTheOperatorBesideAWarningThatHasJustBeenSaid) {
+  AlertStrip strip;
+  const QString warning = QStringLiteral("the window stalled for 1.6 s"),
+                answer = QStringLiteral("The run is not repeated");
+  strip.say(warning, Severity::warning);
+  EXPECT_EQ(strip.text(), warning);
+  strip.say(answer, Severity::notice);
+  EXPECT_TRUE(strip.text().startsWith(answer)) << strip.text().toStdString();
+  EXPECT_TRUE(strip.text().contains(warning)) << strip.text().toStdString();
+  EXPECT_EQ(strip.severity(), Severity::warning);
+  strip.say(QStringLiteral("Saved"), Severity::good);
+  EXPECT_TRUE(strip.text().startsWith(QStringLiteral("Saved")) && strip.text().contains(warning));
+  EXPECT_FALSE(strip.text().contains(answer)) << "one answer takes the other's place";
+  strip.say(QStringLiteral("the disk is full"), Severity::warning);
+  EXPECT_EQ(strip.text(), QStringLiteral("the disk is full")) << "so does one warning the other's";
+  strip.hold(QStringLiteral("STOPPED"), Severity::alarm);
+  strip.say(answer, Severity::notice);
+  EXPECT_TRUE(strip.text().startsWith(QStringLiteral("STOPPED")) && strip.text().contains(answer))
+      << strip.text().toStdString();
+  strip.clear_alert();
+  strip.say(QStringLiteral("the camera is gone"), Severity::alarm);
+  strip.say(answer, Severity::notice);
+  EXPECT_TRUE(strip.text().startsWith(QStringLiteral("the camera is gone"))) << "an alarm is read first";
+  EXPECT_TRUE(strip.text().contains(answer)) << strip.text().toStdString();
+}
+
 TEST(AlertStrip, TellsAnAlarmOnceAsLongAsItLasts) {
   AlertStrip strip;
   const QSignalSpy alarms(&strip, &AlertStrip::alarmed);

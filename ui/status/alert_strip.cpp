@@ -12,8 +12,8 @@ namespace skein::ui {
 namespace {
 
 constexpr qint64 fade_ms = 12000;
-constexpr qint64 read_ms =
-    3000;  // so long a warning stays before lesser news may take its place, or a state comes back
+constexpr qint64 read_ms = 3000;  // so long a warning stays beside what is said after it, and news before a state
+const QString between = QStringLiteral("   ·   ");
 
 /// Shown elsewhere in the window: by the run bar, the sliders, the states of the strip.
 bool said_elsewhere(const app::Event& event) {
@@ -121,16 +121,18 @@ void AlertStrip::stand(State state, const QString& text, Severity severity, Also
     states_[state] = {text, severity, also};
   const bool must_be_heard = severity == Severity::alarm || state == State::battery;
   if (must_be_heard && !text.isEmpty() && !held_) emit alarmed(text);
-  if (!text.isEmpty() && news_.severity < severity) since_.invalidate();  // "all are seen" is no longer so
+  if (!text.isEmpty() && news().severity < severity) since_.invalidate();  // "all are seen" is no longer so
   choose();
 }
 
 void AlertStrip::say(const QString& text, Severity severity, Also also) {
-  const bool graver_one_is_fresh = since_.isValid() && since_.elapsed() < read_ms &&
-                                   news_.severity >= Severity::warning && news_.severity > severity;
-  if (graver_one_is_fresh) return;
   news_ = {text, severity, also};
   since_.start();
+  const bool grave_is_read = !grave_since_.isValid() || grave_since_.elapsed() >= read_ms;
+  if (severity >= Severity::warning && (grave_is_read || severity >= grave_.severity)) {
+    grave_ = news_;
+    grave_since_.start();
+  }
   if (severity == Severity::alarm && !held_) emit alarmed(text);
   choose();
 }
@@ -149,7 +151,16 @@ void AlertStrip::clear_alert() {
   v_rose_at_ = app::none;
   states_.clear();
   since_.invalidate();
+  grave_since_.invalidate();
   choose();
+}
+
+/// An alarm is read first. Otherwise the newest is: it may answer the operator, and a narrow strip cuts off the end.
+AlertStrip::Said AlertStrip::news() const {
+  const bool grave_is_fresh = grave_since_.isValid() && grave_since_.elapsed() < read_ms;
+  if (!grave_is_fresh || news_.severity >= grave_.severity) return news_;
+  if (grave_.severity == Severity::alarm) return {grave_.text + between + news_.text, grave_.severity, grave_.also};
+  return {news_.text + between + grave_.text, grave_.severity, grave_.also};
 }
 
 /// News are read for a moment, behind an alarm that lasts; then what is held, or the states, the gravest first, are
@@ -161,23 +172,23 @@ void AlertStrip::choose() {
   for (const Severity grave : {Severity::alarm, Severity::warning})
     for (const auto& [state, said] : states_) {
       if (said.severity != grave) continue;
-      shown.text += (shown.text.isEmpty() ? QString() : QStringLiteral("   ·   ")) + said.text;
+      shown.text += (shown.text.isEmpty() ? QString() : between) + said.text;
       shown.severity = std::max(shown.severity, grave);
       all_in_banner = all_in_banner && said.also == Also::in_banner;
     }
   if (all_in_banner && !shown.text.isEmpty()) shown.also = Also::in_banner;
   const qint64 age = since_.isValid() ? since_.elapsed() : fade_ms + 1;
   const bool fresh = age <= (shown.text.isEmpty() ? fade_ms : read_ms);
-  const bool outranked = shown.severity == Severity::alarm && news_.severity < Severity::alarm;
-  if (fresh && !outranked) shown = news_;
+  const Said news = this->news();
+  const bool outranked = shown.severity == Severity::alarm && news.severity < Severity::alarm;
+  if (fresh && !outranked) shown = news;
   show(shown);
 }
 
 void AlertStrip::choose_beside_held() {
   const bool fresh = since_.isValid() && since_.elapsed() <= read_ms;
   if (!fresh) return show(*held_);
-  show(held_->severity < Severity::alarm ? news_
-                                         : Said{held_->text + QStringLiteral("   ·   ") + news_.text, held_->severity});
+  show(held_->severity < Severity::alarm ? news() : Said{held_->text + between + news().text, held_->severity});
 }
 
 void AlertStrip::show(const Said& shown) {

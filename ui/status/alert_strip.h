@@ -22,7 +22,8 @@ class AlertStrip final : public QLabel {
   QString lost_robots() const;
   /// Where else in the window the same text is shown.
   enum class Also { nowhere, in_banner };
-  /// For a while, also in place of a held message, unless that is an alarm.
+  /// For a while, also in place of a held message, unless that is an alarm. A warning or alarm that has just been said
+  /// stays beside what is said after it: neither takes the other's place before it can be read.
   void say(const QString& text, Severity severity, Also also = Also::nowhere);
   /// Stays until `clear`, over the states and the events of the run: STOP, a failure, the verdict on a recording.
   void hold(const QString& text, Severity severity);
@@ -63,6 +64,8 @@ class AlertStrip final : public QLabel {
   void stand(State state, const QString& text, Severity severity, Also also = Also::nowhere);  // empty: it is over
   void choose();
   void choose_beside_held();
+  /// The news, beside the graver ones before them if those are still to be read.
+  Said news() const;
   void show(const Said& shown);
   void show_text();
 
@@ -70,8 +73,8 @@ class AlertStrip final : public QLabel {
   std::vector<double> limited_since_;  // limits that bite: since when, NaN: not limited [s]
   double v_rose_at_ = 0.0;             // [s]
   std::map<State, Said> states_;
-  Said news_;
-  QElapsedTimer since_;  // the news; invalid: none
+  Said news_, grave_;                  // what was said last, and the gravest of what is still to be read
+  QElapsedTimer since_, grave_since_;  // invalid: none
   std::optional<Said> held_;
   Said shown_;
   QString at_rest_ = tr("All well");
