@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace skein::core {
 namespace {
@@ -13,6 +14,15 @@ constexpr double from_edge = 0.01;    // routes keep so much more from the arena
 constexpr double beside = 0.03;       // less room than this to spare: the place moves to where there is most [m]
 constexpr std::array<int, 8> step_x{1, 1, 0, -1, -1, -1, 0, 1};
 constexpr std::array<int, 8> step_y{0, 1, 1, 1, 0, -1, -1, -1};
+
+/// The square of the distance of an obstacle's middle from the line between two points.
+double distance2_of(const Obstacle& o, const Lattice::Place& from, const Lattice::Place& to) noexcept {
+  const double dx = to.x - from.x, dy = to.y - from.y, squared = dx * dx + dy * dy;
+  const double along = squared > 0.0 ? ((o.x - from.x) * dx + (o.y - from.y) * dy) / squared : 0.0;
+  const double share = std::clamp(along, 0.0, 1.0);
+  const double d_x = from.x + share * dx - o.x, d_y = from.y + share * dy - o.y;
+  return d_x * d_x + d_y * d_y;
+}
 
 }  // namespace
 
@@ -29,6 +39,7 @@ Lattice::Lattice(const HalfSize& arena, double keep, std::size_t obstacles)
   places_.resize(columns_ * rows_);
   free_.resize(places_.size());
   open_.resize(places_.size());
+  part_.resize(places_.size());
   obstacles_.reserve(obstacles);
   close_.reserve(obstacles);
   build({});
@@ -49,17 +60,13 @@ bool Lattice::free(const Place& from, const Place& to) const noexcept {
 }
 
 bool Lattice::free(const Place& from, const Place& to, std::span<const Obstacle> obstacles) const noexcept {
-  const double dx = to.x - from.x, dy = to.y - from.y, squared = dx * dx + dy * dy;
   // A robot that is too near to something already may leave it, and come no nearer.
   if (std::abs(to.x) > std::max(most_.width, std::abs(from.x)) + 1e-9 ||
       std::abs(to.y) > std::max(most_.height, std::abs(from.y)) + 1e-9)
     return false;
   return std::all_of(obstacles.begin(), obstacles.end(), [&](const Obstacle& o) {
-    const double along = squared > 0.0 ? ((o.x - from.x) * dx + (o.y - from.y) * dy) / squared : 0.0;
-    const double share = std::clamp(along, 0.0, 1.0);
-    const double least = std::min(o.radius + keep_, std::hypot(from.x - o.x, from.y - o.y) - 1e-9),
-                 d_x = from.x + share * dx - o.x, d_y = from.y + share * dy - o.y;
-    return d_x * d_x + d_y * d_y >= least * least - 1e-12;
+    const double least = std::min(o.radius + keep_, std::hypot(from.x - o.x, from.y - o.y) - 1e-9);
+    return distance2_of(o, from, to) >= least * least - 1e-12;
   });
 }
 
@@ -67,65 +74,114 @@ Lattice::Place Lattice::inside(double x, double y) const noexcept {
   return {std::clamp(x, -most_.width, most_.width), std::clamp(y, -most_.height, most_.height)};
 }
 
+/// The vertex in direction d, whether or not the line there is free; size(): there is none.
+std::size_t Lattice::beyond(std::size_t vertex, std::size_t d) const noexcept {
+  const std::size_t i = vertex % columns_ + static_cast<std::size_t>(step_x[d]),
+                    j = vertex / columns_ + static_cast<std::size_t>(step_y[d]);
+  // Left of the first column wraps round to more than there are.
+  return i < columns_ && j < rows_ ? j * columns_ + i : size();
+}
+
 std::size_t Lattice::neighbour(std::size_t vertex, std::size_t d) const noexcept {
   if ((open_[vertex] >> d & 1) == 0) return size();
   return vertex + static_cast<std::size_t>(step_x[d]) + static_cast<std::size_t>(step_y[d]) * columns_;
 }
 
+Lattice::Place Lattice::centre(std::size_t vertex) const noexcept {
+  return {left_ + cell_ * (static_cast<double>(vertex % columns_) + 0.5),
+          bottom_ + cell_ * (static_cast<double>(vertex / columns_) + 0.5)};
+}
+
+void Lattice::know_close(const Place& place, double reach) noexcept {
+  close_.clear();
+  for (const Obstacle& o : obstacles_) {
+    const double within = o.radius + keep_ + reach;
+    if (std::abs(o.x - place.x) < within && std::abs(o.y - place.y) < within) close_.push_back(o);
+  }
+}
+
+/// From a place in the vertex's cell to the one nearby that is best, in ever smaller steps. Returns how good it is.
+template <typename F>
+double Lattice::climb(std::size_t vertex, Place& best, double good, F&& goodness) const noexcept {
+  const Place middle = centre(vertex);
+  double step = 0.5 * cell_;
+  while ((step *= 0.5) > 0.02 * cell_)
+    for (bool moved = true; moved;) {
+      moved = false;
+      const Place from = best;
+      for (std::size_t d = 0; d < directions; ++d) {
+        const Place there{from.x + step * step_x[d], from.y + step * step_y[d]};
+        if (std::abs(there.x - middle.x) > 0.5 * cell_ || std::abs(there.y - middle.y) > 0.5 * cell_) continue;
+        const double better = goodness(there);
+        if (better > good + 1e-6) best = there, good = better, moved = true;
+      }
+    }
+  return good;
+}
+
 void Lattice::build(std::span<const Obstacle> obstacles) noexcept {
   obstacles_.assign(obstacles.begin(),
                     obstacles.begin() + static_cast<std::ptrdiff_t>(std::min(obstacles.size(), obstacles_.capacity())));
-  for (std::size_t j = 0; j < rows_; ++j)
-    for (std::size_t i = 0; i < columns_; ++i) {
-      const std::size_t v = j * columns_ + i;
-      const double x = left_ + cell_ * (static_cast<double>(i) + 0.5);
-      const double y = bottom_ + cell_ * (static_cast<double>(j) + 0.5);
-      Place best{std::clamp(x, -routes_.width, routes_.width), std::clamp(y, -routes_.height, routes_.height)};
-      close_.clear();
-      for (const Obstacle& o : obstacles_) {
-        const double reach = o.radius + keep_ + beside + 2.0 * cell_;
-        if (std::abs(o.x - best.x) < reach && std::abs(o.y - best.y) < reach) close_.push_back(o);
-      }
-      double room = clearance(best.x, best.y, close_);
-      // Towards the most room in the cell, in ever smaller steps; the arena's edge alone moves no vertex.
-      double to_obstacles = std::numeric_limits<double>::infinity();
-      for (const Obstacle& o : close_)
-        to_obstacles = std::min(to_obstacles, std::hypot(best.x - o.x, best.y - o.y) - o.radius - keep_);
-      if (to_obstacles < beside && to_obstacles > -cell_) {
-        double step = 0.5 * cell_;
-        while ((step *= 0.5) > 0.02 * cell_)
-          for (bool moved = true; moved;) {
-            moved = false;
-            const Place from = best;
-            for (std::size_t d = 0; d < directions; ++d) {
-              const Place there{from.x + step * step_x[d], from.y + step * step_y[d]};
-              if (std::abs(there.x - x) > 0.5 * cell_ || std::abs(there.y - y) > 0.5 * cell_) continue;
-              const double more = clearance(there.x, there.y, close_);
-              if (more > room + 1e-6) best = there, room = more, moved = true;
-            }
-          }
-      }
-      places_[v] = best;
-      free_[v] = room >= 0.0;
+  for (std::size_t v = 0; v < size(); ++v) {
+    const Place middle = centre(v);
+    Place best{std::clamp(middle.x, -routes_.width, routes_.width),
+               std::clamp(middle.y, -routes_.height, routes_.height)};
+    know_close(best, beside + 2.0 * cell_);
+    double room = clearance(best.x, best.y, close_);
+    double to_obstacles = std::numeric_limits<double>::infinity();
+    for (const Obstacle& o : close_)
+      to_obstacles = std::min(to_obstacles, std::hypot(best.x - o.x, best.y - o.y) - o.radius - keep_);
+    // The arena's edge alone moves no vertex.
+    if (to_obstacles < beside && to_obstacles > -cell_)
+      room = climb(v, best, room, [&](const Place& there) { return clearance(there.x, there.y, close_); });
+    places_[v] = best;
+    free_[v] = room >= 0.0;
+  }
+  std::iota(part_.begin(), part_.end(), std::size_t{0});
+  for (std::size_t v = 0; v < size(); ++v) {
+    open_[v] = 0;
+    if (!free_[v]) continue;
+    know_close(places_[v], 2.5 * cell_);
+    for (std::size_t d = 0; d < directions; ++d) {
+      const std::size_t to = beyond(v, d);
+      if (to == size() || !free_[to] || !free(places_[v], places_[to], close_)) continue;
+      open_[v] |= static_cast<std::uint8_t>(1u << d);
+      part_[part(v)] = part(to);
     }
-  for (std::size_t j = 0; j < rows_; ++j)
-    for (std::size_t i = 0; i < columns_; ++i) {
-      const std::size_t v = j * columns_ + i;
-      open_[v] = 0;
-      if (!free_[v]) continue;
-      close_.clear();
-      for (const Obstacle& o : obstacles_) {
-        const double reach = o.radius + keep_ + 2.5 * cell_;
-        if (std::abs(o.x - places_[v].x) < reach && std::abs(o.y - places_[v].y) < reach) close_.push_back(o);
-      }
-      for (std::size_t d = 0; d < directions; ++d) {
-        const std::size_t to_i = i + static_cast<std::size_t>(step_x[d]),
-                          to_j = j + static_cast<std::size_t>(step_y[d]);
-        if (to_i >= columns_ || to_j >= rows_) continue;  // left of the first column wraps round to more than there are
-        const std::size_t to = to_j * columns_ + to_i;
-        if (free_[to] && free(places_[v], places_[to], close_)) open_[v] |= static_cast<std::uint8_t>(1u << d);
-      }
+  }
+  // Where a narrow passage bends, the vertices with most room on both sides of the bend may not see each other.
+  for (std::size_t v = 0; v < size() && has_obstacles(); ++v)
+    for (std::size_t d = 0; d < directions / 2; ++d) {
+      const std::size_t to = beyond(v, d), back = d + directions / 2;
+      if (to == size() || !free_[v] || !free_[to] || part(v) == part(to)) continue;
+      if (join(v, d) || join(to, back)) part_[part(v)] = part(to);
     }
+}
+
+/// Vertices from which a robot gets to one another have the same part: a vertex that stands for them.
+std::size_t Lattice::part(std::size_t vertex) noexcept {
+  while (part_[vertex] != vertex) vertex = part_[vertex] = part_[part_[vertex]];
+  return vertex;
+}
+
+/// Moves a vertex within its cell so that the line in direction d becomes free, and those that are free remain so.
+/// False: there is no such place nearby.
+bool Lattice::join(std::size_t vertex, std::size_t d) noexcept {
+  know_close(centre(vertex), 1.5 * cell_);
+  const auto least_room = [&](const Place& there) {
+    double least = clearance(there.x, there.y, close_);
+    for (std::size_t e = 0; e < directions; ++e)
+      if (e == d || (open_[vertex] >> e & 1) != 0)
+        for (const Obstacle& o : close_)
+          least = std::min(least, std::sqrt(distance2_of(o, there, places_[beyond(vertex, e)])) - o.radius - keep_);
+    return least;
+  };
+  Place best = places_[vertex];
+  if (climb(vertex, best, least_room(best), least_room) < 0.0) return false;
+  places_[vertex] = best;
+  open_[vertex] |= static_cast<std::uint8_t>(1u << d);
+  open_[beyond(vertex, d)] |= static_cast<std::uint8_t>(1u << (d + directions / 2) % directions);
+  return true;
 }
 
 }  // namespace skein::core

@@ -68,12 +68,20 @@ class Lattice {
  private:
   bool free(const Place& from, const Place& to, std::span<const Obstacle> obstacles) const noexcept;
   double clearance(double x, double y, std::span<const Obstacle> obstacles) const noexcept;
+  Place centre(std::size_t vertex) const noexcept;
+  std::size_t beyond(std::size_t vertex, std::size_t d) const noexcept;
+  void know_close(const Place& place, double reach) noexcept;
+  template <typename F>
+  double climb(std::size_t vertex, Place& best, double good, F&& goodness) const noexcept;
+  std::size_t part(std::size_t vertex) noexcept;
+  bool join(std::size_t vertex, std::size_t d) noexcept;
 
   double keep_, cell_, left_, bottom_;
   std::size_t columns_, rows_;
   HalfSize most_, routes_;  // bounds on a midpoint's coordinates, and on a route's vertices
   std::vector<Place> places_;
   std::vector<std::uint8_t> free_, open_;  // open_: a bit for each direction
+  std::vector<std::size_t> part_;
   std::vector<Obstacle> obstacles_;
   std::vector<Obstacle> close_;  // those near one cell
 };

@@ -276,6 +276,40 @@ TEST(Lattice, SeesADoorNarrowerThanTwoCellsWhereverItIs) {
   }
 }
 
+/// A corridor with two bends, 1.3 robots wide: a robot alone has 2 mm to spare on each side.
+TEST(Lattice, SeesTheWayRoundTheBendsOfANarrowCorridorWhereverItIs) {
+  for (int k = 0; k < 40; ++k) {
+    Scene scene;
+    const double turned = 0.157 * k, half = 0.5 * 0.091 + 0.02;
+    const auto at = [&](double x, double y) {
+      return Pose{0.003 * k + x * std::cos(turned) - y * std::sin(turned),
+                  x * std::sin(turned) + y * std::cos(turned) - 0.002 * k, 0.0};
+    };
+    const auto side = [&](double x0, double y0, double x1, double y1) {
+      const Pose from = at(x0, y0), to = at(x1, y1);
+      wall(scene, from.x, from.y, to.x, to.y);
+    };
+    for (const double s : {-half, half}) {  // from the left, up, and on to the right
+      side(-0.4, s, -s, s);
+      side(-s, s, -s, s + 0.2);
+      side(-s, s + 0.2, 0.4, s + 0.2);
+    }
+    side(-0.4, -half, -0.4, half);
+    side(0.4, 0.2 - half, 0.4, 0.2 + half);
+    Lattice lattice(arena, 0.0435, scene.obstacles.size());
+    lattice.build(scene.obstacles);
+    core::Traffic nobody(1);
+    core::RouteSearch search(lattice, 1);
+    core::RouteSearch::Query query;
+    query.from = at(-0.3, 0.0);
+    query.to = at(0.3, 0.2);
+    search.begin(query, nobody);
+    while (search.searching()) search.advance(100);
+    EXPECT_TRUE(search.found()) << "turned by " << turned;
+    ASSERT_TRUE(lattice.free(query.from.x, query.from.y) && lattice.free(query.to.x, query.to.y));
+  }
+}
+
 TEST(RouteSearch, SaysWhereThereIsNoWay) {
   Scene scene;
   wall(scene, 0.0, -0.75, 0.0, 0.75);
