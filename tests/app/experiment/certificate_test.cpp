@@ -197,5 +197,27 @@ TEST(MissingWays, AreNamedBeforeARun) {
   EXPECT_TRUE(missing_ways(paper_experiment()).empty()) << "places that drive on";
 }
 
+TEST(MissingWays, AreThoseOfEachRobotsOwnBody) {
+  const std::string larger =
+      "[[robot]]\nradius = 0.06\n"
+      "trajectory = { path = { shape = 'line', from = [-0.5, 0.4], to = [-0.2, 0.4] } }\n";
+  EXPECT_TRUE(missing_ways(parking(larger + wall(0.10))).empty()) << "only the smaller robot needs the gap";
+  const std::string through =
+      "[[robot]]\nradius = 0.06\n"
+      "trajectory = { path = { shape = 'line', from = [-0.5, 0.4], to = [0.5, 0.4] } }\n";
+  const std::vector<std::string> none = missing_ways(parking(through + wall(0.10)));
+  ASSERT_EQ(none.size(), 1u);
+  EXPECT_EQ(none[0].find("no way for robot 2 from"), 0u) << none[0];
+}
+
+TEST(MissingWays, IncludeNoPlaceToWhichARobotComesAsNearAsCountsAsArrived) {
+  const auto beside_the_edge = [](const char* y) {
+    return parking(std::string("[[robot]]\ntrajectory = { path = { shape = 'line', from = [-0.5, 0.4], to = [0.0, ") + y +
+                   "] } }\n[shield]\ndistance = 0.085\n");
+  };
+  EXPECT_TRUE(missing_ways(beside_the_edge("0.708")).empty()) << "8.5 mm nearer to the edge than the shield allows";
+  EXPECT_EQ(missing_ways(beside_the_edge("0.711")).size(), 1u) << "11.5 mm";
+}
+
 }  // namespace
 }  // namespace skein::app
