@@ -1,6 +1,7 @@
 // The shield over time: law, limits and shield at 25 Hz, robots that want through one another.
 #include <algorithm>
 #include <array>
+#include <deque>
 #include <vector>
 
 #include "core/control/coordination_law.h"
@@ -115,6 +116,144 @@ TEST(ShieldDrive, ExactlyHeadOnTheyStopAtD) {
     ASSERT_GE(core::distance(poses[0], poses[1]), parameters.distance - 1e-9);
   }
   EXPECT_NEAR(core::distance(poses[0], poses[1]), parameters.distance, 1e-6) << "and no sooner than they must";
+}
+
+// Proposition 4 of docs/theory.md, and what it does not say.
+
+/// Two robots whose commands act some ticks late. The shield is told the poses at which they are decided, or, with
+/// `predicted`, those at which they act; each pose is off by up to `off` along x.
+struct LateTwo {
+  std::vector<Pose> poses;
+  ShieldParameters shield{};
+  std::size_t late = 0;  // [ticks]
+  bool predicted = false;
+  double off = 0.0;  // of each pose, towards the other robot or away from it [m]
+
+  /// The least distance over some ticks in which wish(k, i) is what robot i wants, and error(k) in [-1, 1] the share
+  /// of `off`.
+  template <typename Wish, typename Error>
+  double least(int ticks, Wish&& wish, Error&& error) {
+    Shield keeps(2, 0);
+    std::deque<std::array<Twist, 2>> under_way(late);
+    double least = 1e9;
+    for (int k = 0; k < ticks; ++k) {
+      std::array<Twist, 2> commands{limits.limit(wish(k, 0)), limits.limit(wish(k, 1))};
+      std::vector<Pose> told = poses;
+      for (const auto& command : under_way)
+        for (std::size_t i = 0; i < 2 && predicted; ++i) told[i] = core::advance(told[i], command[i], dt);
+      for (std::size_t i = 0; i < 2; ++i) told[i].theta += 0.5 * commands[i].omega * dt;
+      told[0].x += off * error(k), told[1].x -= off * error(k);
+      const std::array<double, 2> v_limit{limits.v_limit(commands[0].omega), limits.v_limit(commands[1].omega)};
+      std::array<bool, 2> touched{};
+      keeps.apply(shield, {.poses = told, .v_limit = v_limit}, commands, touched);
+      under_way.push_back(commands);
+      for (std::size_t i = 0; i < 2; ++i) poses[i] = core::advance(poses[i], under_way.front()[i], dt);
+      under_way.pop_front();
+      least = std::min(least, core::distance(poses[0], poses[1]));
+    }
+    return least;
+  }
+};
+
+std::vector<Pose> head_on(double apart) {
+  return {{-0.5 * apart, 0.0, 0.0}, {0.5 * apart, 0.0, core::pi}};
+}
+
+TEST(ShieldDrive, LateCommandsOnOneLineLoseNoMoreThanIsDrivenMeanwhile) {
+  holds("d >= D - (e_i + e_j) - 2 v_max tau", [] {
+    Draw draw(any_seed());
+    LateTwo two{head_on(draw.between(0.08, 0.2))};
+    two.shield.gamma = draw.between(1.0, 1.0 / dt);
+    two.late = static_cast<std::size_t>(any_of(0, 8));
+    two.off = draw.between(0.0, 0.003);
+    two.poses[1].x += 2.0 * two.off;
+    const double least = two.least(
+        250, [&](int, int) { return Twist{draw.chance(0.9) ? 0.1 : draw.between(-0.1, 0.1), 0.0}; },
+        [&](int) { return draw.chance(0.5) ? draw.sign() : draw.between(-1.0, 1.0); });
+    const double tau = static_cast<double>(two.late) * dt;
+    RC_ASSERT(least >= two.shield.distance - 2.0 * two.off - 2.0 * 0.1 * tau - 1e-9);
+  });
+}
+
+TEST(ShieldDrive, LateCommandsOnOneLineLoseExactlyThat) {
+  // The fastest shield, and the gap at which it still allows full speed: nothing has moved when the last command to
+  // close it is given.
+  for (std::size_t late = 0; late <= 8; ++late)
+    for (const double off : {0.0, 0.002}) {
+      LateTwo two{head_on(0.078 + 2.0 * 0.1 * dt - 2.0 * off)};
+      two.shield.gamma = 1.0 / dt;
+      two.late = late;
+      two.off = off;
+      const double least = two.least(
+          50, [](int, int) { return Twist{0.1, 0.0}; }, [](int) { return -1.0; });
+      const double bound = two.shield.distance - 2.0 * off - 2.0 * 0.1 * static_cast<double>(late) * dt;
+      EXPECT_GE(least, bound - 1e-9) << late << ' ' << off;
+      EXPECT_LT(least, bound + 1e-4) << late << ' ' << off;
+    }
+}
+
+/// Beside each other, at D, wanting to and fro and a little nearer: the shield lets them drive along the circle round
+/// the place at which it was told the other.
+std::vector<Pose> beside_each_other() {
+  return {{0.0, 0.0, 0.25 * core::pi}, {0.078, 0.0, 0.75 * core::pi}};
+}
+Twist to_and_fro(int k, int i) {
+  return {(k + i) % 2 == 0 ? 0.1 : -0.08, 0.0};
+}
+
+TEST(ShieldDrive, LateCommandsInThePlaneLoseEverMore) {
+  LateTwo two{beside_each_other()};
+  two.late = 1;
+  const double least = two.least(100, to_and_fro, [](int) { return 0.0; });
+  EXPECT_LT(least, two.shield.distance - 2.0 * 0.1 * (dt + dt)) << "no bound by v_max tau holds for all time";
+}
+
+TEST(ShieldDrive, LateCommandsLoseNothingWherePosesArePredicted) {
+  LateTwo two{beside_each_other()};
+  two.late = 1;
+  two.predicted = true;
+  EXPECT_GE(two.least(1000, to_and_fro, [](int) { return 0.0; }), two.shield.distance - 1e-6);
+  holds("predicted to when the command acts, they never come within D", [] {
+    Draw draw(any_seed());
+    LateTwo turning{random_head_on(draw, false).poses};
+    turning.late = static_cast<std::size_t>(any_of(0, 8));
+    turning.predicted = true;
+    std::array<Twist, 2> wish{};
+    const double least = turning.least(
+        250,
+        [&](int k, int i) {
+          Twist& own = wish[static_cast<std::size_t>(i)];
+          if (k % 10 == 0) own = {draw.sign() * 0.1, draw.between(-1.7, 1.7)};
+          return own;
+        },
+        [](int) { return 0.0; });
+    RC_ASSERT(least >= turning.shield.distance - 1e-5);
+  });
+}
+
+TEST(ShieldDrive, WrongPosesLetTheGapShrinkNoFasterThanTheirAngles) {
+  holds("closing <= gamma (d' - D)^+ + sum |v| 2 sin((phi + asin(E / d)) / 2)", [] {
+    Draw draw(any_seed());
+    ShieldParameters keeps;
+    const double apart = draw.between(0.070, 0.1), off = draw.between(0.0, 0.01), turned = draw.between(0.0, 0.3);
+    const std::vector<Pose> poses{{0.0, 0.0, draw.angle()}, {apart, 0.0, draw.angle()}};
+    std::vector<Pose> told = poses;
+    for (Pose& pose : told) {
+      const double direction = draw.angle(), share = draw.chance(0.5) ? 1.0 : draw.between(0.0, 1.0);
+      pose.x += share * off * std::cos(direction), pose.y += share * off * std::sin(direction);
+      pose.theta += turned * (draw.chance(0.5) ? draw.sign() : draw.between(-1.0, 1.0));
+    }
+    std::vector<Twist> commands{{draw.between(-0.1, 0.1), 0.0}, {draw.between(-0.1, 0.1), 0.0}};
+    const std::array<double, 2> v_limit{0.1, 0.1};
+    std::array<bool, 2> touched{};
+    Shield shield(2, 0);
+    shield.apply(keeps, {.poses = told, .v_limit = v_limit}, commands, touched);
+    const double closing = commands[0].v * std::cos(poses[0].theta) - commands[1].v * std::cos(poses[1].theta);
+    const double slack = 2.0 * std::sin(0.5 * (turned + std::asin(2.0 * off / apart)));
+    const double measured = core::distance(told[0], told[1]);
+    RC_ASSERT(closing <= keeps.gamma * std::max(0.0, measured - keeps.distance) +
+                             (std::abs(commands[0].v) + std::abs(commands[1].v)) * slack + 1e-8);
+  });
 }
 
 /// Eight robots in a pen, each driven by a will of its own that changes every second. Returns the least distance.
