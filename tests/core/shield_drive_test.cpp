@@ -168,7 +168,10 @@ TEST(ShieldDrive, LateCommandsOnOneLineLoseNoMoreThanIsDrivenMeanwhile) {
     two.off = draw.between(0.0, 0.003);
     two.poses[1].x += 2.0 * two.off;
     const double least = two.least(
-        250, [&](int, int) { return Twist{draw.chance(0.9) ? 0.1 : draw.between(-0.1, 0.1), 0.0}; },
+        250,
+        [&](int, int) {
+          return Twist{draw.chance(0.9) ? 0.1 : draw.between(-0.1, 0.1), 0.0};
+        },
         [&](int) { return draw.chance(0.5) ? draw.sign() : draw.between(-1.0, 1.0); });
     const double tau = static_cast<double>(two.late) * dt;
     RC_ASSERT(least >= two.shield.distance - 2.0 * two.off - 2.0 * 0.1 * tau - 1e-9);
@@ -185,7 +188,11 @@ TEST(ShieldDrive, LateCommandsOnOneLineLoseExactlyThat) {
       two.late = late;
       two.off = off;
       const double least = two.least(
-          50, [](int, int) { return Twist{0.1, 0.0}; }, [](int) { return -1.0; });
+          50,
+          [](int, int) {
+            return Twist{0.1, 0.0};
+          },
+          [](int) { return -1.0; });
       const double bound = two.shield.distance - 2.0 * off - 2.0 * 0.1 * static_cast<double>(late) * dt;
       EXPECT_GE(least, bound - 1e-9) << late << ' ' << off;
       EXPECT_LT(least, bound + 1e-4) << late << ' ' << off;

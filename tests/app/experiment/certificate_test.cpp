@@ -212,8 +212,8 @@ TEST(MissingWays, AreThoseOfEachRobotsOwnBody) {
 
 TEST(MissingWays, IncludeNoPlaceToWhichARobotComesAsNearAsCountsAsArrived) {
   const auto beside_the_edge = [](const char* y) {
-    return parking(std::string("[[robot]]\ntrajectory = { path = { shape = 'line', from = [-0.5, 0.4], to = [0.0, ") + y +
-                   "] } }\n[shield]\ndistance = 0.085\n");
+    return parking(std::string("[[robot]]\ntrajectory = { path = { shape = 'line', from = [-0.5, 0.4], to = [0.0, ") +
+                   y + "] } }\n[shield]\ndistance = 0.085\n");
   };
   EXPECT_TRUE(missing_ways(beside_the_edge("0.708")).empty()) << "8.5 mm nearer to the edge than the shield allows";
   EXPECT_EQ(missing_ways(beside_the_edge("0.711")).size(), 1u) << "11.5 mm";
