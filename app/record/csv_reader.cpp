@@ -84,6 +84,14 @@ bool CsvReader::read_line() {
   if (!std::getline(*in_, text_)) return false;
   ++line_;
   if (!in_->eof()) whole_bytes_ += text_.size() + 1;
+  // Other programs save it with a byte order mark and the line ends of Windows. An experiment may have such line ends
+  // of its own: then only some lines do.
+  if (line_ == 1) {
+    constexpr std::string_view mark = "\xEF\xBB\xBF";
+    if (text_.starts_with(mark)) text_.erase(0, mark.size());
+    of_windows_ = text_.ends_with('\r');
+  }
+  if (of_windows_ && text_.ends_with('\r')) text_.pop_back();
   return true;
 }
 
@@ -108,6 +116,8 @@ tl::expected<CsvReader, std::string> CsvReader::open(std::istream& in, std::stri
     if (text.starts_with(seed_line) && !read_number(std::string_view(text).substr(seed_line.size()), head.seed))
       return reader.error("the seed is not a whole number");
   }
+  if (reader.line_ == 0)
+    return tl::unexpected(reader.file_ + ": it is empty, allowed: a CSV written by `skein run --csv`");
   if (!found) return reader.error("ends before a header row, allowed: a CSV written by `skein run --csv`");
   head.intact = head.hash == fmt::format("{:016x}", fnv1a(head.source));
   if (text.ends_with('\r')) text.pop_back();

@@ -67,6 +67,7 @@ class CsvReader {
   std::string file_;
   std::size_t line_ = 0;
   std::uint64_t whole_bytes_ = 0;
+  bool of_windows_ = false;  // its lines end with CR LF
   std::optional<std::string> torn_;
   std::string text_;  // of that line
   CsvHead head_;

@@ -157,14 +157,19 @@ tl::expected<ReplayResult, std::string> replay_into(std::istream& csv, const std
                                                     bool controller, RecordedRun* run) {
   auto reader = CsvReader::open(csv, file);
   if (!reader) return tl::unexpected(reader.error());
+  const std::string& version = reader->head().version;
+  const auto unreadable = [&](std::string why) {  // a newer version may write what this one does not know
+    if (version != SKEIN_VERSION) why += fmt::format("; recorded by skein {}, read by " SKEIN_VERSION, version);
+    return tl::unexpected(std::move(why));
+  };
   const auto experiment = reader->experiment();
-  if (!experiment) return tl::unexpected(experiment.error());
+  if (!experiment) return unreadable(experiment.error());
   ReplayResult result;
   result.experiment = reader->head().name;
   if (!reader->head().intact)
     result.warnings.push_back("the experiment in the file has been changed since it was recorded");
-  if (reader->head().version != SKEIN_VERSION)
-    result.warnings.push_back(fmt::format("recorded by skein {}, replayed by " SKEIN_VERSION, reader->head().version));
+  if (version != SKEIN_VERSION)
+    result.warnings.push_back(fmt::format("recorded by skein {}, replayed by " SKEIN_VERSION, version));
 
   if (run) run->experiment = *experiment;
   const std::vector<std::string> paths = film_paths(*experiment, film);
@@ -201,7 +206,7 @@ tl::expected<ReplayResult, std::string> replay_into(std::istream& csv, const std
   TickRecord row;
   while (true) {
     const auto more = reader->next(row);
-    if (!more) return tl::unexpected(more.error());
+    if (!more) return unreadable(more.error());
     if (!*more) break;
     TickInput input = recorded.of(row);
     for (std::size_t k = 0; k < films.size(); ++k) {

@@ -13,6 +13,7 @@
 
 #include "operator.h"
 #include "ui/base/settings.h"
+#include "ui/base/why.h"
 
 namespace skein::ui::test {
 namespace {
@@ -56,7 +57,8 @@ TEST_F(Arena, DropsDragsResizesAndTakesAwayAnObstacle) {
   drag(floor(0.0, 0.0), floor(0.2, -0.2));
   ASSERT_TRUE(eventually([&] { return arena().scene().obstacle_at(0.2, -0.2) == 0; })) << "it was not dragged";
   wheel(floor(0.2, -0.2), 3);
-  ASSERT_TRUE(eventually([&] { return arena().scene().obstacles[0].radius > 0.05; })) << "it has not grown";
+  ASSERT_TRUE(eventually([&] { return arena().scene().circumstances.obstacles[0].radius > 0.05; }))
+      << "it has not grown";
 
   drag(floor(0.2, -0.2), floor(0.0, 0.95));  // off the floor
   ASSERT_TRUE(eventually([&] { return arena().scene().obstacle_at(0.2, -0.2) < 0; })) << "it was not taken away";
@@ -68,7 +70,7 @@ TEST_F(Arena, DrawsAnObstacleOutToItsSizeAndDeletesItByKey) {
   use("tool_obstacle");
   drag(floor(-0.2, 0.0), floor(-0.1, 0.0));
   ASSERT_TRUE(eventually([&] { return arena().scene().obstacle_at(-0.2, 0.0) == 0; }));
-  EXPECT_NEAR(arena().scene().obstacles[0].radius, 0.1, 0.01);
+  EXPECT_NEAR(arena().scene().circumstances.obstacles[0].radius, 0.1, 0.01);
   use("tool_hand");
   arena().setFocus();
   QTest::mouseClick(&arena(), Qt::LeftButton, {}, floor(-0.2, 0.0));
@@ -175,6 +177,33 @@ TEST_F(Arena, TheTipOfALostRobotShowsWhatTheCameraSeesOfItsTag) {
   EXPECT_TRUE(tip(1).contains(QStringLiteral("part of it is covered"))) << tip(1).toStdString();
   EXPECT_TRUE(tip(1).contains(QStringLiteral("<img"))) << tip(1).toStdString();
   EXPECT_FALSE(tip(0).contains(QStringLiteral("covered"))) << "the control: this one is seen";
+}
+
+TEST_F(Arena, ATipGoesWithItsRobotThatDrivesOnAndEndsWhenTheMouseLeaves) {
+  start();
+  const auto tells = [&](const char* robot) {
+    const std::size_t i = 1;
+    const core::Pose pose = *arena().scene().pose(i);
+    return QToolTip::isVisible() && QToolTip::text().contains(QLatin1String(robot)) &&
+           QToolTip::text().contains(QStringLiteral("x %1 m").arg(pose.x, 0, 'f', 3)) &&
+           QToolTip::text().contains(why(record(), i, arena().scene().circumstances).toHtmlEscaped());
+  };
+  arena().select(1);
+  arena().setFocus();
+  find<QAction>("focus_tip")->trigger();
+  const core::Pose before = *arena().scene().pose(1);
+  ASSERT_TRUE(QToolTip::text().contains(QStringLiteral("Robot 2")));
+  // Farther than the robot's body: nothing is left where the tip was asked for.
+  ASSERT_TRUE(eventually([&] { return core::distance(*arena().scene().pose(1), before) > 0.1; }));
+  EXPECT_TRUE(eventually([&] { return tells("Robot 2"); })) << QToolTip::text().toStdString();
+
+  // The same for a mouse that rests; then it leaves.
+  QHelpEvent rests(QEvent::ToolTip, robot(1), arena().mapToGlobal(robot(1)));
+  QCoreApplication::sendEvent(&arena(), &rests);
+  EXPECT_TRUE(eventually([&] { return tells("Robot 2"); }));
+  QEvent leaves(QEvent::Leave);
+  QCoreApplication::sendEvent(&arena(), &leaves);
+  EXPECT_TRUE(eventually([&] { return !QToolTip::isVisible(); })) << "it stays for ever";
 }
 
 TEST_F(Arena, LeavesRealRobotsAloneAndSaysWhy) {

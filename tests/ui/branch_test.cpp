@@ -268,12 +268,25 @@ class LongBranch : public Branch {
   bool is_preparing() { return window.findChild<BranchController*>()->is_busy(); }
   bool says_that_it_prepares() { return alert().contains(QStringLiteral("Preparing the run up to")); }
   void ask() { key(Qt::Key_B, nullptr, Qt::ControlModifier); }
+  /// Whether the window handles an event while this holds. Frames would be no measure: on a busy display one takes
+  /// longer than what is prepared.
+  bool goes_on_while(const std::function<bool()>& holds) {
+    bool handled = false, meanwhile = false;
+    QMetaObject::invokeMethod(
+        &window,
+        [&] {
+          handled = true;
+          meanwhile = holds();
+        },
+        Qt::QueuedConnection);
+    return eventually([&] { return handled; }) && meanwhile;
+  }
 };
 
 TEST_F(LongBranch, IsPreparedWhileTheWindowGoesOn) {
   start_and_pause();
   const double t = record().t;
-  QSignalSpy opened(&live(), &LiveRun::opened), frames(&live(), &LiveRun::frame);
+  QSignalSpy opened(&live(), &LiveRun::opened);
   ask();
   ASSERT_TRUE(is_preparing());
   EXPECT_TRUE(live().is_open() && !live().is_busy()) << "the run that is shown stays";
@@ -283,8 +296,7 @@ TEST_F(LongBranch, IsPreparedWhileTheWindowGoesOn) {
   find<QAction>("do_again")->trigger();
   EXPECT_TRUE(says_that_it_prepares()) << "asked again, nothing changes";
   arena().select(17);
-  EXPECT_TRUE(eventually([&] { return frames.size() > 1; }));
-  EXPECT_TRUE(is_preparing()) << "the window shows frames meanwhile";
+  EXPECT_TRUE(goes_on_while([&] { return is_preparing(); }));
   ASSERT_TRUE(eventually([&] { return opened.size() == 1; }));
   ASSERT_TRUE(eventually([&] { return paused(); }));
   EXPECT_NEAR(record().t, t, 1e-9);
@@ -330,11 +342,10 @@ TEST_F(LongBranch, AChangeOfTheExperimentIsPreparedInTheSameWay) {
   const auto large = app::parse_experiment(timetables_of_64_robots(500).toStdString(), "large.toml");
   ASSERT_TRUE(large) << large.error().front().message();
   open_and_wait(*large);
-  QSignalSpy opened(&live(), &LiveRun::opened), frames(&live(), &LiveRun::frame);
+  QSignalSpy opened(&live(), &LiveRun::opened);
   emit find<GainsPanel>("gains")->experiment_wanted(QStringLiteral("controller.coupling=bounded"));
   EXPECT_TRUE(live().is_open() && !live().is_busy()) << "the window waits for it";
-  EXPECT_TRUE(eventually([&] { return frames.size() > 1; }));
-  EXPECT_EQ(opened.size(), 0) << "the window shows frames meanwhile";
+  EXPECT_TRUE(goes_on_while([&] { return opened.isEmpty() && !live().is_busy(); }));
   ASSERT_TRUE(eventually([&] { return opened.size() == 1 && live().latest(); }));
   EXPECT_NE(live().experiment().controller.coupling, large->controller.coupling);
 

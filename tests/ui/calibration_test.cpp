@@ -116,6 +116,8 @@ TEST_F(Calibration, FindsWhereTheCameraHangsFromTagsOnTheFloor) {
   find<QTabWidget>("calibration_tabs")->setCurrentIndex(1);
   auto* tags = find<QAbstractItemView>("floor_tags")->model();
   EXPECT_FALSE(tags->setData(tags->index(0, FloorModel::id), QStringLiteral("1.5"), Qt::EditRole));
+  EXPECT_TRUE(tags->setData(tags->index(0, FloorModel::x), QStringLiteral("0,25"), Qt::EditRole));
+  EXPECT_EQ(tags->index(0, FloorModel::x).data().toString(), QStringLiteral("0.25")) << "with either decimal sign";
   for (int i = 0; i < 4; ++i) {
     const core::Pose pose = *arena().scene().pose(static_cast<std::size_t>(i));
     const std::array<double, 4> row{i + 1.0, pose.x, pose.y, tag_height};

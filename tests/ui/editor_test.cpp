@@ -55,6 +55,22 @@ class Editor : public Operator {
   const QString paper = QString::fromStdString(app::paper_experiment().source);
 };
 
+TEST_F(Editor, SaysItsVerdictInTheColoursOfThePaletteThatIsChosenWhileItIsOpen) {
+  stand();
+  open_editor();
+  const auto* verdict = editor->findChild<QLabel*>(QStringLiteral("editor_verdict"));
+  const auto says = [&](const char* text, const QColor& colour) {
+    return verdict->text().contains(QLatin1String(text)) && verdict->text().contains(colour.name());
+  };
+  text->setPlainText(QStringLiteral("rate = -3\n"));
+  ASSERT_TRUE(eventually([&] { return says("1 problem:", colours(palette(Theme::light)).alarm); }))
+      << verdict->text().toStdString();
+  window.set_theme(Theme::dark);
+  EXPECT_TRUE(eventually([&] { return says("1 problem:", colours(palette(Theme::dark)).alarm); }))
+      << verdict->text().toStdString();
+  window.set_theme(Theme::light);
+}
+
 TEST_F(Editor, MarksWhatIsWrongAndRunsNoneOfIt) {
   stand();
   open_editor();

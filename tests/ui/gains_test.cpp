@@ -299,6 +299,53 @@ TEST_F(Gains, OfManyRobotsAreShownAsTheyAreInForce) {
   EXPECT_GE(field->width(), field->sizeHint().width()) << "it is cut off";
 }
 
+TEST_F(Gains, OfAScheduleThatWasNotAppliedAreNotShownInTheRun) {
+  open_before_start();
+  find<QTabWidget>("gain_tabs")->setCurrentWidget(find("schedule"));
+  QTest::mouseClick(find<QPushButton>("schedule_add"), Qt::LeftButton);
+  const auto* rows = find<QAbstractItemView>("schedule_table")->model();
+  ASSERT_EQ(rows->rowCount(), 1);
+  ASSERT_TRUE(eventually([&] { return find<QPushButton>("go")->isEnabled(); }));
+  window.go();
+  ASSERT_TRUE(eventually([&] { return running(); }));
+  EXPECT_TRUE(eventually([&] { return rows->rowCount() == 0; })) << "a change is shown that will not come";
+  EXPECT_TRUE(eventually([&] { return find<QLabel>("alert")->text().contains(QStringLiteral("not applied")); }))
+      << find<QLabel>("alert")->text().toStdString();
+}
+
+TEST_F(Gains, ThatAreTypedIntoATableAndNotTakenAreSaidNotToBe) {
+  open_before_start();
+  const auto told = [&](QAbstractItemModel* model, int row, int column, const QString& text) {
+    EXPECT_FALSE(model->setData(model->index(row, column), text, Qt::EditRole)) << text.toStdString();
+    const QString alert = find<QLabel>("alert")->text();
+    EXPECT_TRUE(alert.contains(QStringLiteral("found ") + text) && alert.contains(QStringLiteral("allowed: ")))
+        << alert.toStdString();
+  };
+  auto* pairs = find<QAbstractItemView>("pair_table")->model();
+  told(pairs, 0, 1, QStringLiteral("-0.1"));
+  told(pairs, 0, 1, QStringLiteral("1.000.5"));
+  QTest::mouseClick(find<QPushButton>("schedule_add"), Qt::LeftButton);
+  auto* schedule = find<QAbstractItemView>("schedule_table")->model();
+  told(schedule, 0, ScheduleModel::k_xx, QStringLiteral("-0.1"));
+  told(schedule, 0, ScheduleModel::t, QStringLiteral("soon"));
+}
+
+TEST_F(Gains, ThatAreBeingTypedWhenTheRunEndsAreNotShownAsInForce) {
+  start();
+  auto* field = find<QDoubleSpinBox>("spin_k_yy");
+  field->setFocus();
+  ASSERT_TRUE(eventually([&] { return field->hasFocus(); }));
+  field->selectAll();
+  QTest::keyClicks(field, QStringLiteral("0.01"));
+  key(Qt::Key_Space);
+  ASSERT_TRUE(eventually([&] { return stopped() && !field->isEnabled(); }));
+  const double in_force = live().gain_target(core::GainName::k_yy, 0, 1);
+  EXPECT_TRUE(eventually([&] {
+    return std::abs(field->value() - in_force) < 1e-4 && field->text().startsWith(QString::number(in_force, 'f', 2));
+  })) << field->text().toStdString()
+      << " is shown, " << in_force << " was in force";
+}
+
 TEST_F(Gains, AreToldWhyAScheduleCannotBe) {
   open_before_start();
   auto* panel = find<GainsPanel>("gains");

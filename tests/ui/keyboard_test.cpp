@@ -385,7 +385,8 @@ TEST_F(Keyboard, DropsDrawsOutDragsAndTakesAwayAnObstacle) {
   press(Qt::Key_Return);
   ASSERT_TRUE(eventually([&] { return arena().scene().obstacle_at(-0.02, -0.2) == 0; })) << "it was not dragged";
   press(Qt::Key_PageUp);
-  ASSERT_TRUE(eventually([&] { return arena().scene().obstacles[0].radius > 0.065; })) << "it has not grown";
+  ASSERT_TRUE(eventually([&] { return arena().scene().circumstances.obstacles[0].radius > 0.065; }))
+      << "it has not grown";
   press(Qt::Key_Delete);
   EXPECT_TRUE(eventually([&] { return arena().scene().obstacle_at(-0.02, -0.2) < 0; }));
 }

@@ -15,6 +15,7 @@
 #include "ui/base/dialogs.h"
 #include "ui/base/modes.h"
 #include "ui/base/why.h"
+#include "ui/main/help.h"
 #include "ui/robots/robots_model.h"
 #include "ui/run/run_history.h"
 #include "ui/status/alert_strip.h"
@@ -24,6 +25,7 @@ namespace skein::ui::test {
 namespace {
 
 TEST(Why, SaysInOneSentenceWhatGovernsARobot) {
+  const Circumstances now;
   app::TickRecord record;
   record.phase = app::Phase::running;
   record.robots.resize(2);
@@ -35,19 +37,21 @@ TEST(Why, SaysInOneSentenceWhatGovernsARobot) {
   r.command = {0.03, 0.2};
   r.error = {0.02, 0.0, 0.0};
   r.mode = app::tracking;
-  EXPECT_TRUE(why(record, 0).contains(QStringLiteral("2.0 cm off"))) << why(record, 0).toStdString();
+  EXPECT_TRUE(why(record, 0, now).contains(QStringLiteral("2.0 cm off"))) << why(record, 0, now).toStdString();
   r.mode = app::tracking | app::limited;
   r.limits = app::limit_v;
-  EXPECT_TRUE(why(record, 0).contains(QStringLiteral("asks 0.140 m/s"))) << why(record, 0).toStdString();
+  EXPECT_TRUE(why(record, 0, now).contains(QStringLiteral("asks 0.140 m/s"))) << why(record, 0, now).toStdString();
   r.mode = app::tracking | app::shielded | app::limited;
-  EXPECT_TRUE(why(record, 0).contains(QStringLiteral("0.030 m/s"))) << why(record, 0).toStdString();
-  EXPECT_TRUE(why(record, 0).contains(QStringLiteral("robot 2, 9.1 cm"))) << why(record, 0).toStdString();
+  EXPECT_TRUE(why(record, 0, now).contains(QStringLiteral("0.030 m/s"))) << why(record, 0, now).toStdString();
+  EXPECT_TRUE(why(record, 0, now).contains(QStringLiteral("robot 2, 9.1 cm"))) << why(record, 0, now).toStdString();
   r.mode = app::stopped | app::lost;
   r.pose_age = 0.45;
-  EXPECT_TRUE(why(record, 0).contains(QStringLiteral("not seen"))) << why(record, 0).toStdString();
+  EXPECT_TRUE(why(record, 0, now).contains(QStringLiteral("not seen"))) << why(record, 0, now).toStdString();
 }
 
 TEST(Why, NamesALinkAndALawThatGiveNoNumberAndNotAHandThatHoldsNobody) {
+  Circumstances now;
+  now.held = {0};
   app::TickRecord record;
   record.phase = app::Phase::running;
   record.robots.resize(2);
@@ -56,23 +60,102 @@ TEST(Why, NamesALinkAndALawThatGiveNoNumberAndNotAHandThatHoldsNobody) {
   r.pose_age = 0.04;
   r.law = {0.14, 0.2};
   const auto says = [&](const char* words) {
-    EXPECT_TRUE(why(record, 0).contains(QLatin1String(words))) << why(record, 0).toStdString();
+    EXPECT_TRUE(why(record, 0, now).contains(QLatin1String(words))) << why(record, 0, now).toStdString();
   };
   r.mode = app::stopped;
   says("held");
+  now.held.clear();
+  EXPECT_FALSE(why(record, 0, now).contains(QStringLiteral("held"))) << "by nobody";
+  now.disobedient = {0};
+  says("did not drive as it was commanded");
+  now.disobedient.clear();
   for (const app::Phase phase : {app::Phase::running, app::Phase::staging}) {
     record.phase = phase;
     r.mode = app::stopped | app::late;
     says("stands: its link");
-    EXPECT_FALSE(why(record, 0).contains(QStringLiteral("held"))) << "nobody can let it go";
+    EXPECT_FALSE(why(record, 0, now).contains(QStringLiteral("held"))) << "nobody can let it go";
     r.mode = app::stopped;
-    EXPECT_FALSE(why(record, 0).contains(QStringLiteral("drives"))) << "it stands";
+    EXPECT_FALSE(why(record, 0, now).contains(QStringLiteral("drives"))) << "it stands";
     r.law = {app::none, app::none};
     says("no number");
     r.law = {0.14, 0.2};
     r.mode = app::tracking | app::late;
     r.command = {0.07, 0.1};
     says("slowed to 0.070 m/s (the law asks 0.140 m/s): its link");
+  }
+}
+
+TEST(Why, NamesTheObstacleOrTheEdgeThatARobotIsSlowedFor) {
+  const app::Experiment experiment = app::paper_experiment();
+  Circumstances now(experiment);
+  app::TickRecord record;
+  record.phase = app::Phase::running;
+  record.robots.resize(2);
+  app::RobotRecord& r = record.robots[0];
+  r.truth = {0.0, 0.0, 0.0};
+  record.robots[1].truth = {0.2, 0.0, 0.0};
+  r.pose_age = 0.04;
+  r.law = {0.14, 0.2};
+  r.command = {0.03, 0.2};
+  r.nominal.pose = {0.05, 0.0, 0.0};
+  const auto says = [&](const char* words) {
+    EXPECT_TRUE(why(record, 0, now).contains(QLatin1String(words))) << why(record, 0, now).toStdString();
+  };
+  r.mode = app::tracking | app::shielded;
+  says("for robot 2, 20.0 cm away");
+  record.events.clear();
+  record.events.add(app::events::PutObstacle{1, {0.0, 0.1, 0.04}});
+  now.note(record);
+  says("0.030 m/s (the law asks 0.140 m/s) for obstacle 2, 2.5 cm between them");
+  r.mode = app::avoiding;
+  says("drives round obstacle 2, 2.5 cm between them, 5.0 cm from its place");
+  record.events.clear();
+  record.events.add(app::events::PutObstacle{1, {}});
+  now.note(record);
+  says("on a detour, 5.0 cm from its place");
+  EXPECT_FALSE(why(record, 0, now).contains(QStringLiteral("robot 2"))) << "which is too far away";
+  r.mode = app::tracking | app::shielded;
+  r.truth.x = 0.5 * experiment.arena_width - 0.06;
+  says("for the arena's edge, 2.5 cm between them");
+}
+
+TEST(Why, SaysThatARobotWasMovedUntilItIsInPlaceAgain) {
+  Circumstances now(app::paper_experiment());
+  app::TickRecord record;
+  record.phase = app::Phase::running;
+  record.robots.resize(2);
+  app::RobotRecord& r = record.robots[1];
+  r.truth = {0.0, 0.0, 0.0};
+  r.pose_age = 0.04;
+  r.mode = app::tracking;
+  r.error = {0.0, 0.0, 0.0};
+  const auto at = [&](double t, double error) {
+    record.t = t;
+    r.error.x = error;
+    now.note(record);
+    record.events.clear();
+    return why(record, 1, now).toStdString();
+  };
+  EXPECT_EQ(at(1.0, 0.0), "tracks its place, 0.0 cm off");
+  record.events.add(app::events::Move{1, {0.1, 0.0, 0.0}});
+  EXPECT_EQ(at(2.0, 0.0), "tracks its place, 0.0 cm off; moved by hand 0.0 s ago") << "its camera is not as fast";
+  EXPECT_EQ(at(3.5, 0.04), "tracks its place, 4.0 cm off; moved by hand 1.5 s ago");
+  EXPECT_EQ(at(5.0, 0.009), "tracks its place, 0.9 cm off");
+  EXPECT_EQ(at(9.0, 0.04), "tracks its place, 4.0 cm off") << "something else drove it away";
+  record.events.add(app::events::Kick{1, 0.5, 0.0});
+  EXPECT_EQ(at(10.0, 0.04), "tracks its place, 4.0 cm off; kicked 0.0 s ago");
+  record.events.add(app::events::Perturb{1, 0.1, 0.0, 0.0});
+  EXPECT_EQ(at(11.0, 0.04), "tracks its place, 4.0 cm off; pushed by the experiment 0.0 s ago");
+}
+
+TEST(Help, NamesReplaysBesideSimulationsWhereTheKeysServeBoth) {
+  for (const QString& keys : {QStringLiteral("F6"), QStringLiteral("Ctrl+Up, Ctrl+Down")}) {
+    const QString text = shortcuts_text();
+    const qsizetype row = text.indexOf(keys);
+    ASSERT_GE(row, 0) << keys.toStdString();
+    const QString told = text.mid(row, text.indexOf(QStringLiteral("</tr>"), row) - row);
+    EXPECT_TRUE(told.contains(QStringLiteral("simulation")) && told.contains(QStringLiteral("replay")))
+        << told.toStdString();
   }
 }
 
@@ -289,6 +372,29 @@ TEST(RobotsModel, SaysWhatIsWrongWithALink) {
   EXPECT_TRUE(cell(RobotsModel::link, Qt::ToolTipRole).toString().contains(QStringLiteral("no route to it")));
   EXPECT_EQ(cell(RobotsModel::round_trip, Qt::DisplayRole).toString(), QStringLiteral("12.3 ms"));
   EXPECT_TRUE(cell(RobotsModel::link, Qt::ForegroundRole).isValid());
+}
+
+TEST(RobotsModel, SaysWhyThereIsADash) {
+  app::Experiment experiment = app::paper_experiment();
+  experiment.robots[1].link = app::RobotSpec::Link::loopback;
+  RobotsModel model;
+  model.show_experiment(experiment);
+  std::vector<app::RobotStatus> links(experiment.robots.size());
+  const auto tip = [&](int robot, RobotsModel::Column column) {
+    const QModelIndex cell = model.index(robot, column);
+    EXPECT_EQ(cell.data(), RobotsModel::nothing());
+    return cell.data(Qt::ToolTipRole).toString();
+  };
+  for (const bool recorded : {false, true}) {
+    RobotsModel::Known known{links};
+    known.recorded = recorded;
+    model.show_record(standing(experiment), known);
+    for (const auto column : {RobotsModel::round_trip, RobotsModel::battery, RobotsModel::firmware}) {
+      EXPECT_TRUE(tip(0, column).contains(QStringLiteral("without a link"))) << tip(0, column).toStdString();
+      EXPECT_EQ(tip(1, column).contains(QStringLiteral("recording")), recorded) << tip(1, column).toStdString();
+      EXPECT_GT(tip(1, column).size(), 15) << tip(1, column).toStdString();
+    }
+  }
 }
 
 TEST(RobotsModel, PrintsNoSignBeforeTheZerosOfWheelsThatStand) {

@@ -12,6 +12,7 @@
 
 #include "app/record/csv_file.h"
 #include "operator.h"
+#include "ui/base/dialogs.h"
 #include "ui/base/why.h"
 #include "ui/gains/gains_panel.h"
 #include "ui/plots/plot_view.h"
@@ -113,7 +114,7 @@ TEST_F(Replay, TipsFollowTheMomentThatIsShown) {
   window.go();
   ASSERT_FALSE(window.replay().is_playing());
   emit time_line().time_wanted(18.2);  // shortly after the kick
-  const auto why_now = [&] { return why(*window.replay().latest(), 1); };
+  const auto why_now = [&] { return why(*window.replay().latest(), 1, window.replay().circumstances()); };
   auto* table = find<QTableView>("robots");
   QString before = why_now();
   rest_mouse(table->viewport(), table->visualRect(table->model()->index(1, RobotsModel::mode)).center());
@@ -208,6 +209,20 @@ TEST_F(Replay, SaysWhatIsWrongWithAFile) {
   delete find<QWidget>("problem_dialog");
 }
 
+TEST_F(Replay, SaysThatANewerProgramWroteWhatItCannotRead) {
+  const QString file = dir.filePath(QStringLiteral("newer.csv"));
+  QFile csv(file);
+  ASSERT_TRUE(csv.open(QIODevice::WriteOnly));
+  csv.write("# skein 99.1.0\n#| warp = 9\nt,tick,r1_x\n0,0,0\n");
+  csv.close();
+  window.show();
+  window.open_recording(file);
+  MessageDialog* problem = nullptr;
+  ASSERT_TRUE(eventually([&] { return (problem = window.findChild<MessageDialog*>()) != nullptr; }));
+  EXPECT_TRUE(problem->text().contains(QStringLiteral("warp"))) << problem->text().toStdString();
+  EXPECT_TRUE(problem->text().contains(QStringLiteral("recorded by skein 99.1.0"))) << problem->text().toStdString();
+}
+
 TEST_F(Replay, ComparesWithASecondRun) {
   const QString one = recorded(0.008), two = recorded(0.004);
   replay(one);
@@ -274,6 +289,36 @@ TEST_F(Replay, ComparesWithAnyNumberOfRunsWithoutColourAndAlignedAtAKick) {
   find<QAction>("compare_end")->trigger();
   EXPECT_TRUE(compared.empty());
   EXPECT_FALSE(find("comparison_bar")->isVisible());
+}
+
+TEST_F(Replay, AlignsAKickWithThatAtTheSameTimeAlthoughAHandWasThereBefore) {
+  const auto kicked = [this](const char* name, const std::vector<double>& times) {
+    std::string kicks;
+    for (const double t : times) kicks += "{ t = " + std::to_string(t) + ", robot = 2, dx = 0.1, dy = 0.0 },";
+    const app::Experiment experiment = *app::parse_experiment(app::paper_experiment().source, "platoon.toml",
+                                                              {"duration=9", "perturb=[" + kicks + "]"});
+    const QString file = dir.filePath(QLatin1String(name));
+    app::CsvFile csv(file.toStdString(), experiment);
+    (*app::Session::open(experiment, app::Session::Clock::virtual_, {false, {&csv}}))->run();
+    csv.finish();
+    return file;
+  };
+  replay(kicked("own.csv", {2.0, 5.0}));
+  window.go();
+  window.compare_with(kicked("left alone.csv", {5.0}));
+  const auto& compared = arena().scene().compared;
+  ASSERT_TRUE(eventually([&] { return compared.size() == 1; }));
+  auto* align = find<QComboBox>("compare_align");
+  ASSERT_TRUE(eventually([&] { return align->count() == 3; })) << "the kicks of this run cannot be chosen";
+  emit find<TimeLine>("time_line")->time_wanted(5.5);
+  const auto there = [&] { return compared[0].trails[1].back(); };
+  const core::Pose unmoved = there();
+  for (const int kick : {2, 1}) {
+    align->setCurrentIndex(kick);
+    emit align->activated(kick);
+    EXPECT_EQ(there().x, unmoved.x) << "kick " << kick << ": it was kicked at the same time, or not at all";
+    EXPECT_EQ(there().y, unmoved.y);
+  }
 }
 
 TEST_F(Replay, ComparesALiveRunWithTheOneBefore) {

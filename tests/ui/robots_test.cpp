@@ -18,6 +18,8 @@
 #include "ui/plots/plot_view.h"
 #include "ui/plots/plots_panel.h"
 #include "ui/robots/robots_model.h"
+#include "ui/run/run_history.h"
+#include "ui/status/time_line.h"
 
 namespace skein::ui::test {
 namespace {
@@ -76,6 +78,32 @@ TEST_F(Robots, SayHowTheyWereFoundAndWhoTheyAre) {
   EXPECT_TRUE(eventually([&] { return cell(3, RobotsModel::firmware) == QStringLiteral("2.0"); }));
   EXPECT_TRUE(eventually([&] { return cell(1, RobotsModel::battery).endsWith(QStringLiteral("V")); }));
   EXPECT_FALSE(find<QAbstractItemView>("robots")->isHidden());
+}
+
+TEST_F(Robots, HaveTheirLinksInAReplayAsTheRecordingHasThem) {
+  const auto experiment = app::load_experiment(skein::test::in_source("resources/experiments/platoon-loopback.toml"));
+  ASSERT_TRUE(experiment.has_value());
+  start(*experiment);
+  ASSERT_TRUE(eventually([&] {
+    const app::LinkRecord& link = record().robots[3].link;
+    return std::isfinite(link.battery) && std::isfinite(link.round_trip);
+  })) << "no robot has answered";
+  const double late = record().t;
+  ASSERT_TRUE(eventually([&] { return record().t > late; }));
+  const QTemporaryDir dir;
+  const QString file = dir.filePath(QStringLiteral("run.csv"));
+  EXPECT_EQ(write_csv(live().history().rows(), live().experiment(), file), QString());
+  window.open_recording(file);
+  ASSERT_TRUE(eventually([&] { return window.replay().is_loaded(); }));
+  if (window.replay().is_playing()) window.go();
+  emit find<TimeLine>("time_line")->time_wanted(late);
+  const app::LinkRecord& link = window.replay().latest()->robots[3].link;
+  ASSERT_TRUE(std::isfinite(link.battery) && std::isfinite(link.round_trip)) << "the recording does not have them";
+  EXPECT_EQ(cell(3, RobotsModel::link), QStringLiteral("up"));
+  EXPECT_EQ(cell(3, RobotsModel::battery), QStringLiteral("%1 V").arg(link.battery, 0, 'f', 2));
+  EXPECT_EQ(cell(3, RobotsModel::round_trip), QStringLiteral("%1 ms").arg(link.round_trip * 1000, 0, 'f', 1));
+  auto* table = find<QTableView>("robots");
+  EXPECT_FALSE(table->isColumnHidden(RobotsModel::battery) || table->isColumnHidden(RobotsModel::round_trip));
 }
 
 TEST_F(Robots, OneIsTestedFromTheKeyboardAndTheVerdictIsShown) {

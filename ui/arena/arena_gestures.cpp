@@ -62,7 +62,7 @@ class KickRobot final : public ArenaGesture {
 class DragObstacle final : public ArenaGesture {
  public:
   DragObstacle(ArenaScene& scene, int number, QPointF grip)
-      : scene_(scene), number_(number), obstacle_(scene.obstacles[static_cast<std::size_t>(number)]) {
+      : scene_(scene), number_(number), obstacle_(scene.circumstances.obstacles[static_cast<std::size_t>(number)]) {
     grip_ = grip - QPointF(obstacle_.x, obstacle_.y);
   }
   void move(QPointF floor) override {
@@ -117,7 +117,7 @@ class Measure final : public ArenaGesture {
       const core::Pose pose = *scene_.pose(static_cast<std::size_t>(robot));
       return {pose.x, pose.y};
     }
-    for (const core::Obstacle& o : scene_.obstacles)
+    for (const core::Obstacle& o : scene_.circumstances.obstacles)
       if (o.radius > 0.0 && std::hypot(o.x - floor.x(), o.y - floor.y()) < snap) return {o.x, o.y};
     return floor;
   }

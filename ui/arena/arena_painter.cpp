@@ -114,14 +114,16 @@ void ArenaPainter::obstacles() {
     p_.drawText(QRectF(at(o.x, o.y) - QPointF(20, 20), QSizeF(40, 40)), Qt::AlignCenter, tr("O%1").arg(number + 1));
   };
   const auto& ghost = scene_.ghost_obstacle;
-  for (std::size_t k = 0; k < scene_.obstacles.size(); ++k) {
+  for (std::size_t k = 0; k < scene_.circumstances.obstacles.size(); ++k) {
     const bool dragged = ghost && ghost->number == static_cast<int>(k);
     const bool selected = scene_.selected_obstacle == static_cast<int>(k);
-    if (scene_.obstacles[k].radius > 0.0)
-      draw(scene_.obstacles[k], k, faded(c_.obstacle, dragged ? 0.3 : 1.0), selected ? c_.text : c_.bounds);
+    if (scene_.circumstances.obstacles[k].radius > 0.0)
+      draw(scene_.circumstances.obstacles[k], k, faded(c_.obstacle, dragged ? 0.3 : 1.0),
+           selected ? c_.text : c_.bounds);
   }
   if (!ghost) return;
-  const auto number = ghost->number < 0 ? scene_.obstacles.size() : static_cast<std::size_t>(ghost->number);
+  const auto number =
+      ghost->number < 0 ? scene_.circumstances.obstacles.size() : static_cast<std::size_t>(ghost->number);
   draw(ghost->obstacle, number, faded(ghost->leaves ? c_.alarm : c_.obstacle, ghost->leaves ? 0.25 : 0.7),
        ghost->leaves ? c_.alarm : c_.text);
 }

@@ -79,7 +79,7 @@ QString ArenaView::spoken() const {
   for (std::size_t i = 0; i < scene_.record->robots.size(); ++i) {
     const auto pose = scene_.pose(i);
     if (scene_.selected >= 0 && static_cast<std::size_t>(scene_.selected) != i) continue;
-    const QString doing = why(*scene_.record, i);
+    const QString doing = why(*scene_.record, i, scene_.circumstances);
     lines << (pose ? tr("Robot %1 at x %2 m, y %3 m, heading %4°: %5")
                          .arg(i + 1)
                          .arg(fixed(pose->x, 2), fixed(pose->y, 2), fixed(pose->theta * 180.0 / core::pi, 0), doing)
@@ -88,24 +88,49 @@ QString ArenaView::spoken() const {
   return lines.join(QStringLiteral("; "));
 }
 
-QString ArenaView::tip_at(QPoint where) const {
+void ArenaView::begin_tip(QPointF where) {
+  const int robot = robot_under(where);
+  const auto pose = robot >= 0 ? scene_.pose(static_cast<std::size_t>(robot)) : std::nullopt;
+  if (pose)
+    tip_ = {where - map_.to_screen({pose->x, pose->y}), robot, tip_of(robot)};
+  else
+    tip_ = {where, -1, tip_at(where)};
+  QToolTip::showText(mapToGlobal(where.toPoint()), tip_->said, this);  // without a text: none any more
+}
+
+/// A robot drives on while its tip is read: the tip goes with it, and says what is so now.
+void ArenaView::follow_tip() {
+  if (!tip_) return;
+  const int robot = tip_->robot;
+  const bool still_there = QToolTip::isVisible() && QToolTip::text() == tip_->said;  // and not another widget's
+  const auto pose = robot >= 0 ? scene_.pose(static_cast<std::size_t>(robot)) : std::nullopt;
+  if (!still_there || (robot >= 0 && !pose)) return tip_.reset();
+  tip_->said = pose ? tip_of(robot) : tip_at(tip_->at);
+  const QPointF where = pose ? map_.to_screen({pose->x, pose->y}) + tip_->at : tip_->at;
+  QToolTip::showText(mapToGlobal(where.toPoint()), tip_->said, this);
+}
+
+/// Of an obstacle or a coupling.
+QString ArenaView::tip_at(QPointF where) const {
   if (!scene_.record) return {};
-  const int robot = robot_under(where), obstacle = obstacle_under(where);
-  if (robot < 0 && obstacle >= 0) {
-    const core::Obstacle& o = scene_.obstacles[static_cast<std::size_t>(obstacle)];
+  const int obstacle = obstacle_under(where);
+  if (obstacle >= 0) {
+    const core::Obstacle& o = scene_.circumstances.obstacles[static_cast<std::size_t>(obstacle)];
     return tr("<b>Obstacle %1</b><br>x %2 m, y %3 m, radius %4 m<br>%5")
         .arg(obstacle + 1)
         .arg(fixed(o.x, 3), fixed(o.y, 3), fixed(o.radius, 3))
         .arg(can_do(tr("Drag to move it, wheel to resize it; drag it off the floor, or press Delete, to remove it.")));
   }
-  if (robot < 0) {
-    const auto pair = coupling_under(where);
-    return pair ? tr("Coupling of robots %1 and %2. %3")
-                      .arg((*pair)[0] + 1)
-                      .arg((*pair)[1] + 1)
-                      .arg(can_do(tr("Click to switch it off or on.")))
-                : QString();
-  }
+  const auto pair = coupling_under(where);
+  return pair ? tr("Coupling of robots %1 and %2. %3")
+                    .arg((*pair)[0] + 1)
+                    .arg((*pair)[1] + 1)
+                    .arg(can_do(tr("Click to switch it off or on.")))
+              : QString();
+}
+
+/// Of a robot whose place is known.
+QString ArenaView::tip_of(int robot) const {
   const auto i = static_cast<std::size_t>(robot);
   const core::Pose pose = scene_.pose(i).value_or(core::Pose{});
   const bool unseen = scene_.record->robots[i].is(app::lost) && i < unseen_.size();
@@ -113,7 +138,8 @@ QString ArenaView::tip_at(QPoint where) const {
          tr("<b>Robot %1</b> (tag %2): %3: %4<br>x %5 m, y %6 m, heading %7°<br>%8")
              .arg(robot + 1)
              .arg(scene_.experiment.robots[i].tag)
-             .arg(mode_text(scene_.record->robots[i].mode), why(*scene_.record, i).toHtmlEscaped())
+             .arg(mode_text(scene_.record->robots[i].mode),
+                  why(*scene_.record, i, scene_.circumstances).toHtmlEscaped())
              .arg(fixed(pose.x, 3), fixed(pose.y, 3), fixed(pose.theta * 180.0 / core::pi, 0))
              .arg(can_do(movable(robot)
                              ? tr("Drag to move it, wheel to turn it (Shift: 1° a notch), Shift+drag to kick it.")

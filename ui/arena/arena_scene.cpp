@@ -15,7 +15,7 @@ void ArenaScene::reset(const app::Experiment& of) {
   trails.assign(experiment.robots.size(), {});
   forget_gesture();
   ruler.reset();
-  obstacles = experiment.obstacles;
+  circumstances = Circumstances(experiment);
   couplings.assign(experiment.robots.size() * experiment.robots.size(), 0.0);
   selected_obstacle = -1;
   hovered_coupling.reset();
@@ -29,11 +29,7 @@ void ArenaScene::reset(const app::Experiment& of) {
 void ArenaScene::show_record(const app::TickRecord& newest) {
   const bool jumped = record && newest.t < record->t;
   record = newest;
-  for (const app::Event& event : newest.events)
-    if (const auto* const put = std::get_if<app::events::PutObstacle>(&event)) {
-      if (put->number >= obstacles.size()) obstacles.resize(put->number + 1);
-      obstacles[put->number] = put->obstacle;
-    }
+  circumstances.note(newest);
   for (std::size_t i = 0; i < trails.size() && i < newest.robots.size(); ++i) {
     auto& trail = trails[i];
     if (jumped) trail.clear();
@@ -93,6 +89,7 @@ int ArenaScene::robot_at(double x, double y, double reach, bool bodies) const {
 }
 
 int ArenaScene::obstacle_at(double x, double y) const {
+  const std::vector<core::Obstacle>& obstacles = circumstances.obstacles;
   for (std::size_t k = obstacles.size(); k-- > 0;)  // the last one is drawn on top
     if (std::hypot(obstacles[k].x - x, obstacles[k].y - y) < obstacles[k].radius) return static_cast<int>(k);
   return -1;

@@ -11,6 +11,7 @@
 
 #include "app/experiment/experiment.h"
 #include "app/run/tick_record.h"
+#include "ui/base/circumstances.h"
 #include "ui/base/modes.h"
 
 namespace skein::ui {
@@ -36,7 +37,7 @@ struct ArenaScene {
   std::vector<std::vector<core::Pose>> lines;  ///< what the reference drives along
   std::vector<std::deque<TrailPoint>> trails;  ///< of every robot, oldest first
 
-  std::vector<core::Obstacle> obstacles;  ///< by number; radius 0: absent
+  Circumstances circumstances;  ///< with the obstacles
   /// Of robots i < j at i * robots + j: the coupling's strength, the mean of its gains' shares of their limits.
   std::vector<double> couplings;
 

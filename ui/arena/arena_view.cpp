@@ -110,8 +110,8 @@ void ArenaView::set_hint(const QString& text, bool gives_way) {
   update();
 }
 
-void ArenaView::set_obstacles(const std::vector<core::Obstacle>& obstacles) {
-  scene_.obstacles = obstacles;
+void ArenaView::set_circumstances(const Circumstances& circumstances) {
+  scene_.circumstances = circumstances;
   update();
 }
 
@@ -183,10 +183,7 @@ void ArenaView::refresh() {
     nudge_.reset();
   if (!scene_.record || scene_.record->now == painted_t_) return;
   painted_t_ = scene_.record->now;
-  if (tip_ && QToolTip::isVisible())
-    show_tip(*tip_);
-  else
-    tip_.reset();
+  follow_tip();
   update();
 }
 
@@ -457,7 +454,7 @@ void ArenaView::nudge(int robot, QPointF by) {
 }
 
 void ArenaView::resize_obstacle(int number, double factor) {
-  core::Obstacle obstacle = scene_.obstacles[static_cast<std::size_t>(number)];
+  core::Obstacle obstacle = scene_.circumstances.obstacles[static_cast<std::size_t>(number)];
   obstacle.radius = std::clamp(obstacle.radius * factor, 0.01, 0.3);
   emit obstacle_wanted(number, obstacle);
 }
@@ -486,6 +483,7 @@ void ArenaView::turn(int robot, double by) {
 }
 
 void ArenaView::leaveEvent(QEvent*) {
+  tip_.reset();  // whatever follows would keep it there
   scene_.hovered = -1;
   scene_.hovered_coupling.reset();
   update();
@@ -493,17 +491,8 @@ void ArenaView::leaveEvent(QEvent*) {
 
 bool ArenaView::event(QEvent* event) {
   if (event->type() != QEvent::ToolTip) return QWidget::event(event);
-  show_tip(static_cast<QHelpEvent*>(event)->pos());
+  begin_tip(static_cast<QHelpEvent*>(event)->pos());
   return true;
-}
-
-void ArenaView::show_tip(QPoint where) {
-  const QString tip = tip_at(where);
-  tip_ = where;
-  if (tip.isEmpty())
-    QToolTip::hideText();
-  else
-    QToolTip::showText(mapToGlobal(where), tip, this);
 }
 
 }  // namespace skein::ui

@@ -40,8 +40,8 @@ class ArenaView final : public QWidget {
   void set_hint(const QString& text, bool gives_way = false);
   /// Why nothing can be changed here now, for the tips; empty: the mouse can.
   void set_fixed(const QString& why) { fixed_ = why; }
-  /// Where obstacles stand, after a jump in time.
-  void set_obstacles(const std::vector<core::Obstacle>& obstacles);
+  /// After a jump in time.
+  void set_circumstances(const Circumstances& circumstances);
 
   bool shows_picture() const { return scene_.show_picture; }
   void show_picture(bool on);
@@ -99,10 +99,12 @@ class ArenaView final : public QWidget {
   bool movable(int robot) const;
   bool may_take(int robot, QPoint where);
   QString why_not(int robot) const;
-  QString tip_at(QPoint where) const;
+  QString tip_at(QPointF where) const;
+  QString tip_of(int robot) const;
   QString can_do(const QString& what) const;
   QString spoken() const;
-  void show_tip(QPoint where);
+  void begin_tip(QPointF where);
+  void follow_tip();
   std::unique_ptr<ArenaGesture> begin_gesture(QPointF screen, Qt::KeyboardModifiers modifiers, QPoint global);
   void hover(QPointF screen);
   bool point(const QKeyEvent& event, QPointF step);
@@ -124,7 +126,12 @@ class ArenaView final : public QWidget {
   QRectF ground_of_;  // where the plan is in it
   double painted_t_ = -1.0;
   std::vector<app::UnseenTag> unseen_;
-  std::optional<QPoint> tip_;  // where a tip was requested: its text is kept up to date
+  struct Tip {
+    QPointF at;  // on this widget, or from the robot that it goes with
+    int robot;   // from 0; -1: none
+    QString said;
+  };
+  std::optional<Tip> tip_;  // the newest: its text is kept up to date, and it goes with its robot
   QString fixed_;
 
   ArenaTool tool_ = ArenaTool::hand;

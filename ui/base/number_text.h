@@ -11,4 +11,10 @@ inline QString fixed(double value, int decimals) {
   return QString::fromStdString(app::fixed(value, decimals));
 }
 
+/// "1 robot", "3 robots".
+inline QString counted(qsizetype number, const char* what) {
+  const QString of = QString::fromUtf8(what);
+  return QStringLiteral("%1 %2").arg(number).arg(number == 1 ? of : of + QLatin1Char('s'));
+}
+
 }  // namespace skein::ui

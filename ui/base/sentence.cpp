@@ -209,7 +209,7 @@ QString sentence(const app::Event& event) {
           },
           [](const Lost& e) { return tr("Robot %1 is lost: no tag seen, it stands").arg(e.robot + 1); },
           [](const Found& e) { return tr("Robot %1 is seen again").arg(e.robot + 1); },
-          [](const Avoid& e) { return tr("Robot %1 leaves its reference to avoid somebody").arg(e.robot + 1); },
+          [](const Avoid& e) { return tr("Robot %1 leaves its reference to avoid a collision").arg(e.robot + 1); },
           [](const Clear& e) { return tr("Robot %1 is back on its reference").arg(e.robot + 1); },
           [](const app::events::Stage&) { return tr("All robots drive to their starts"); },
           [](const Staged&) { return tr("All robots stand at their starts"); },

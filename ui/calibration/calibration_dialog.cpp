@@ -10,6 +10,7 @@
 
 #include "app/tools/camera_words.h"
 #include "ui/base/dialogs.h"
+#include "ui/base/number_text.h"
 
 namespace skein::ui {
 namespace {
@@ -263,7 +264,8 @@ QString CalibrationDialog::advice(const app::CalibrationProgress& progress) cons
         "Show the board from all sides, tilted up to 45°, near and far, out to the picture's corners. Shaded parts "
         "have not been covered yet.");
   const QString place = next_place(progress);
-  QString text = tr("%n view(s), %1 % of the picture covered. ", nullptr, static_cast<int>(progress.views.size()))
+  QString text = tr("%1, %2 % of the picture covered. ")
+                     .arg(counted(static_cast<qsizetype>(progress.views.size()), "view"))
                      .arg(100 * progress.covered, 0, 'f', 0);
   if (progress.over) return text + tr("There are no more images.");
   text += progress.corners.empty() ? tr("No board is seen: more light, nearer, or other squares? ") : QString();

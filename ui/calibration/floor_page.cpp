@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "ui/base/number_field.h"
 #include "ui/base/number_text.h"
 
 namespace skein::ui {
@@ -87,11 +88,11 @@ QVariant FloorModel::data(const QModelIndex& index, int role) const {
 
 bool FloorModel::setData(const QModelIndex& index, const QVariant& value, int role) {
   if (!index.isValid() || role != Qt::EditRole) return false;
-  bool is_number = false;
-  const double number = value.toString().trimmed().toDouble(&is_number);
+  const auto typed = parse_number(value.toString());
+  const double number = typed.value_or(0.0);
   constexpr double farthest = 100.0;  // [m]
   const bool is_id = index.column() == id;
-  if (!is_number || std::abs(number) > (is_id ? app::FloorTag::largest_id : farthest) ||
+  if (!typed || std::abs(number) > (is_id ? app::FloorTag::largest_id : farthest) ||
       (is_id && (number < 0 || number != std::floor(number))))
     return false;
   app::FloorTag& tag = tags_[static_cast<std::size_t>(index.row())];

@@ -12,6 +12,7 @@
 
 #include "app/experiment/toml_places.h"
 #include "ui/base/dialogs.h"
+#include "ui/base/number_text.h"
 
 namespace skein::ui {
 namespace {
@@ -257,7 +258,7 @@ void CameraPage::refresh() {
     else
       cameras_->setEditText(text);
     const QString count = found.cameras.empty() ? tr("No camera is connected.")
-                                                : tr("%n camera(s) connected.", nullptr, cameras_->count());
+                                                : tr("%1 connected.").arg(counted(cameras_->count(), "camera"));
     search_->setToolTip(found.problem.empty() ? count
                                               : count + QLatin1Char(' ') + QString::fromStdString(found.problem));
   }

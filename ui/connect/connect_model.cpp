@@ -1,6 +1,7 @@
 #include "ui/connect/connect_model.h"
 
 #include "ui/base/modes.h"
+#include "ui/base/number_text.h"
 #include "ui/base/sentence.h"
 
 namespace skein::ui {
@@ -94,7 +95,7 @@ ConnectModel::Cell ConnectModel::linked(const app::RobotSetup& of, int column) c
       if (!of.test) return {untested, tr("The test turns them")};
       const int faults = static_cast<int>(of.test->faults.size()) - (of.test->tag_fault ? 1 : 0);
       if (faults == 0) return {tr("good"), tr("They turn as commanded")};
-      return {tr("%n fault(s)", nullptr, faults), details_of(of).empty() ? QString() : tr("Named below the table")};
+      return {counted(faults, "fault"), details_of(of).empty() ? QString() : tr("Named below the table")};
     }
     case tag:
       if (!camera_) return {none_here, tr("The experiment has no camera, which a test of tags needs")};

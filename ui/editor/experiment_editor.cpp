@@ -19,6 +19,7 @@
 #include "app/experiment/experiment_sets.h"
 #include "app/experiment/toml_edit.h"
 #include "ui/base/dialogs.h"
+#include "ui/base/number_text.h"
 #include "ui/base/palette.h"
 #include "ui/editor/draft.h"
 #include "ui/editor/editor_form.h"
@@ -215,7 +216,7 @@ void ExperimentEditor::take_verdict(std::chrono::milliseconds patience) {
   constexpr int asks_every_ms = 30;
   if (const auto verdict = checking_.take(patience)) return show_verdict(*verdict);
   open_->setEnabled(false);
-  verdict_->setText(tr("Checking …"));
+  tell(tr("Checking …"), Severity::note);
   asks_.start(asks_every_ms);
 }
 
@@ -232,21 +233,32 @@ void ExperimentEditor::show_verdict(const Verdict& told) {
     item->setData(place_role, QPoint(problem.line, problem.column));
   }
   list_->setVisible(!problems.empty());
-  const Colours c = colours(palette());
-  const QString verdict = problems.empty() ? tr("This experiment can be run.")
-                                           : tr("%n problem(s): this experiment cannot run.", nullptr, problems_);
-  verdict_->setText(
-      QStringLiteral("<span style=\"color:%1\">%2</span>").arg((problems.empty() ? c.good : c.alarm).name(), verdict));
+  tell(problems.empty() ? tr("This experiment can be run.")
+                        : tr("%1: this experiment cannot run.").arg(counted(problems_, "problem")),
+       problems.empty() ? Severity::good : Severity::alarm);
   open_->setEnabled(problems.empty());
   form_->show_values(told.values);
   keep_draft();
   if (std::exchange(opens_then_, false) && problems.empty()) emit open_wanted(file_);
 }
 
+void ExperimentEditor::tell(const QString& verdict, Severity tone) {
+  tone_ = tone;
+  const Colours c = colours(palette());
+  verdict_->setText(QStringLiteral("<span style=\"color:%1\">%2</span>")
+                        .arg((tone == Severity::note ? c.text : colour(tone, c)).name(), verdict.toHtmlEscaped()));
+  told_ = verdict;
+}
+
+void ExperimentEditor::changeEvent(QEvent* event) {
+  if (event->type() == QEvent::PaletteChange) tell(told_, tone_);
+  QDialog::changeEvent(event);
+}
+
 void ExperimentEditor::set_value(const QString& key, const QString& value) {
   const auto changed = app::with_toml_value(text().toStdString(), key.toStdString(), value.toStdString());
   if (!changed) {
-    verdict_->setText(QString::fromStdString(changed.error()));
+    tell(QString::fromStdString(changed.error()), Severity::note);
     return;
   }
   replace_text(QString::fromStdString(*changed));
@@ -285,7 +297,7 @@ void ExperimentEditor::save_and(bool then_open) {
 void ExperimentEditor::write_and(bool then_open) {
   const QString problem = save(file_);
   if (!problem.isEmpty())
-    verdict_->setText(problem);
+    tell(problem, Severity::note);
   else if (then_open && is_checking())
     opens_then_ = true;
   else if (then_open && is_valid())

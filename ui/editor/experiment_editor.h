@@ -10,6 +10,7 @@
 
 #include "app/experiment/problem.h"
 #include "ui/base/aside.h"
+#include "ui/base/modes.h"
 
 class QLabel;
 class QListWidget;
@@ -48,6 +49,9 @@ class ExperimentEditor final : public QDialog {
   /// As the button of this name does: it asks where the file has changed meanwhile, or there is none.
   void save_and_open() { save_and(true); }
 
+ protected:
+  void changeEvent(QEvent*) override;
+
  public slots:
   void reject() override;  ///< closes, or asks about unsaved changes
 
@@ -63,6 +67,7 @@ class ExperimentEditor final : public QDialog {
     std::vector<std::optional<std::string>> values;  // of the form's keys
   };
   void show_verdict(const Verdict& verdict);
+  void tell(const QString& verdict, Severity tone);
   void ask_save(bool then_open);
   void save_and(bool then_open);
   void write_and(bool then_open);
@@ -79,6 +84,8 @@ class ExperimentEditor final : public QDialog {
   EditorForm* form_;
   QListWidget* list_;
   QLabel* verdict_;
+  QString told_;  // by it
+  Severity tone_ = Severity::note;
   QPushButton *save_, *save_as_, *open_;
   QWidget* offer_;  // of a draft
   QLabel* offer_text_;

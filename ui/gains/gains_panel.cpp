@@ -172,6 +172,8 @@ GainsPanel::GainsPanel(QWidget* parent)
   layout->addStretch();
   connect(pairs_, &PairTable::gain_wanted, this, &GainsPanel::change_pair);
   connect(pairs_, &PairTable::couple_wanted, this, &GainsPanel::couple_pair);
+  connect(pairs_, &PairTable::refused, this, &GainsPanel::refused);
+  connect(schedule_, &ScheduleEditor::refused, this, &GainsPanel::refused);
   connect(schedule_, &ScheduleEditor::wanted, this,
           [this](const QString& changes) { emit experiment_wanted(QStringLiteral("gain_change=") + changes); });
 }

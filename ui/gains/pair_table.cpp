@@ -105,8 +105,16 @@ bool PairModel::setData(const QModelIndex& index, const QVariant& value, int rol
     emit couple_wanted(i, j, value.toInt() == Qt::Checked);
     return true;
   }
+  if (role != Qt::EditRole) return false;
   const auto number = parse_number(value.toString());
-  if (role != Qt::EditRole || !number || *number < 0.0) return false;
+  if (!number || *number < 0.0) {
+    emit refused(tr("%1 of robots %2 and %3: found %4, allowed: a number of at least 0")
+                     .arg(gain_symbol(gain_))
+                     .arg(i + 1)
+                     .arg(j + 1)
+                     .arg(value.toString().trimmed()));
+    return false;
+  }
   emit gain_wanted(gain_, i, j, *number);
   return true;
 }
@@ -150,6 +158,7 @@ PairTable::PairTable(QWidget* parent) : QWidget(parent), gain_(new QComboBox(thi
   model_.set_colours(colours(palette()));
   connect(&model_, &PairModel::gain_wanted, this, &PairTable::gain_wanted);
   connect(&model_, &PairModel::couple_wanted, this, &PairTable::couple_wanted);
+  connect(&model_, &PairModel::refused, this, &PairTable::refused);
 
   auto* layout = new QVBoxLayout(this);
   layout->setContentsMargins(0, 4, 0, 0);

@@ -44,6 +44,7 @@ class PairModel final : public QAbstractTableModel {
  signals:
   void gain_wanted(skein::core::GainName gain, int i, int j, double value);
   void couple_wanted(int i, int j, bool on);
+  void refused(const QString& why);
 
  private:
   Pair& at(std::size_t i, std::size_t j) { return pairs_[std::min(i, j) * robots_ + std::max(i, j)]; }
@@ -70,6 +71,7 @@ class PairTable final : public QWidget {
  signals:
   void gain_wanted(skein::core::GainName gain, int i, int j, double value);
   void couple_wanted(int i, int j, bool on);
+  void refused(const QString& why);
 
  protected:
   void changeEvent(QEvent*) override;

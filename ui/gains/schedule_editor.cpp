@@ -6,6 +6,7 @@
 #include <QLocale>
 #include <QVBoxLayout>
 #include <algorithm>
+#include <utility>
 
 #include "ui/base/number_field.h"
 #include "ui/base/sentence.h"
@@ -37,6 +38,13 @@ void ScheduleModel::show(const app::Experiment& experiment) {
     }
     rows_.push_back(row);
   }
+  first_rows_ = rows_;
+  endResetModel();
+}
+
+void ScheduleModel::take_back() {
+  beginResetModel();
+  rows_ = first_rows_;
   endResetModel();
 }
 
@@ -97,7 +105,13 @@ bool ScheduleModel::setData(const QModelIndex& index, const QVariant& value, int
   const QString text = value.toString().trimmed();
   const bool may_be_empty = index.column() != t && index.column() != ramp;
   const auto number = parse_number(text);
-  if (!(text.isEmpty() && may_be_empty) && !(number && *number >= 0.0)) return false;
+  if (!(text.isEmpty() && may_be_empty) && !(number && *number >= 0.0)) {
+    const QString column = headerData(index.column(), Qt::Horizontal, Qt::DisplayRole).toString();
+    emit refused((may_be_empty ? tr("Schedule, %1: found %2, allowed: a number of at least 0, or nothing")
+                               : tr("Schedule, %1: found %2, allowed: a number of at least 0"))
+                     .arg(column, text.isEmpty() ? tr("nothing") : text));
+    return false;
+  }
   auto& cell = rows_[static_cast<std::size_t>(index.row())][static_cast<std::size_t>(index.column())];
   cell = text.isEmpty() ? std::nullopt : number;
   emit dataChanged(index, index);
@@ -169,6 +183,7 @@ ScheduleEditor::ScheduleEditor(QWidget* parent)
     edited_ = true;
     dress();
   });
+  connect(&model_, &ScheduleModel::refused, this, &ScheduleEditor::refused);
   connect(add_, &QPushButton::clicked, this, [this] {
     const int last = model_.rowCount() - 1;
     model_.add(last < 0 ? 10.0 : model_.index(last, ScheduleModel::t).data(Qt::EditRole).toDouble() + 10.0);
@@ -188,6 +203,10 @@ void ScheduleEditor::show_experiment(const app::Experiment& experiment) {
 void ScheduleEditor::set_editable(bool editable) {
   if (editable == editable_) return;
   editable_ = editable;
+  if (!editable && std::exchange(edited_, false)) {  // the run goes without them, and so does what is shown of it
+    model_.take_back();
+    emit refused(tr("The changed schedule was not applied: this run has the one before"));
+  }
   dress();
 }
 

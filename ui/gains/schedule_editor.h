@@ -24,6 +24,7 @@ class ScheduleModel final : public QAbstractTableModel {
   /// Adds a row that changes nothing yet: it has the values that the gains have by then.
   void add(double at);
   void remove(int row);
+  void take_back();  ///< all changes since the experiment was shown
   /// As the value of the file's key gain_change; rows in the order of t.
   QString as_toml() const;
   /// A gain differs between pairs: a table of single numbers cannot show it.
@@ -38,9 +39,10 @@ class ScheduleModel final : public QAbstractTableModel {
 
  signals:
   void edited();
+  void refused(const QString& why);
 
  private:
-  std::vector<std::array<std::optional<double>, columns>> rows_;
+  std::vector<std::array<std::optional<double>, columns>> rows_, first_rows_;
   std::array<double, 3> start_{};  // the gains that the run begins with, in the order of core::gain_names
   bool per_pair_ = false;
 };
@@ -57,6 +59,7 @@ class ScheduleEditor final : public QWidget {
 
  signals:
   void wanted(const QString& gain_change);  ///< the value of the file's key
+  void refused(const QString& why);
 
  private:
   void dress();

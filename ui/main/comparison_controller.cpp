@@ -95,10 +95,12 @@ void ComparisonController::show() {
   emit compared();
 }
 
-/// `kick`: 0 for the start. Runs that were not kicked so often stay where they are.
+/// `kick`: 0 for the start. Runs that have no kick to compare it with stay where they are.
 void ComparisonController::align(int kick) {
-  const std::vector<double> own = kicks_ ? kicks_() : std::vector<double>();
-  plots_->comparison_bar().show_kicks(own);
+  const std::vector<RunResults::Kick> own = kicks_ ? kicks_() : std::vector<RunResults::Kick>();
+  std::vector<double> times;
+  for (const RunResults::Kick& of : own) times.push_back(of.t);
+  plots_->comparison_bar().show_kicks(times);
   aligned_at_ = kick <= static_cast<int>(own.size()) ? kick : 0;
   bool moved = false;
   for (Run& run : others_) {
@@ -106,7 +108,7 @@ void ComparisonController::align(int kick) {
     if (aligned_at_ > 0) {
       const auto k = static_cast<std::size_t>(aligned_at_ - 1);
       const std::vector<RunResults::Kick> theirs = run.results->kicks();
-      if (k < theirs.size()) shift = own[k] - theirs[k].t;
+      if (const auto other = counterparts(own, theirs)[k]) shift = own[k].t - theirs[*other].t;
     }
     moved = moved || shift != run.shift;
     run.shift = shift;

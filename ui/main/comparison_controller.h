@@ -36,8 +36,8 @@ class ComparisonController final : public QObject {
   ComparisonController(const Runs& runs, const Messages& messages, ArenaView* arena, PlotsPanel* plots,
                        QObject* parent = nullptr);
   void build_menu(QMenu* file);
-  /// The times at which the run that is shown was kicked [s]; called about once a second.
-  void set_kicks(std::function<std::vector<double>()> kicks) { kicks_ = std::move(kicks); }
+  /// The kicks of the run that is shown; called about once a second.
+  void set_kicks(std::function<std::vector<RunResults::Kick>()> kicks) { kicks_ = std::move(kicks); }
   void load(const QString& file);
   void compare_with_now();  ///< keeps the present run so far for comparison with later ones
   /// Another run is shown: the others stay if they have as many robots.
@@ -60,7 +60,7 @@ class ComparisonController final : public QObject {
   const Messages& messages_;
   ArenaView* arena_;
   PlotsPanel* plots_;
-  std::function<std::vector<double>()> kicks_;
+  std::function<std::vector<RunResults::Kick>()> kicks_;
   RecordingLoader loader_;
   QStringList waiting_;  // files
   std::vector<Run> others_;

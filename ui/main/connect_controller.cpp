@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "app/experiment/hardware.h"
+#include "ui/base/number_text.h"
 #include "ui/main/editor_controller.h"
 
 namespace skein::ui {
@@ -235,7 +236,7 @@ void ConnectController::tell_end(const app::SetupNews& news) {
   const auto of = [&](const QString& text) { return text.arg(good_).arg(asked_); };
   switch (kind_) {
     case Kind::scan:
-      return say(tr("%n robot(s) found", nullptr, static_cast<int>(good_)), Severity::good);
+      return say(tr("%1 found").arg(counted(static_cast<qsizetype>(good_), "robot")), Severity::good);
     case Kind::pair:
       return say(of(tr("%1 of %2 robots are paired")), all ? Severity::good : Severity::warning);
     case Kind::ping:
@@ -266,8 +267,9 @@ void ConnectController::save() {
   for (const std::size_t row : page_->chosen()) chosen.push_back(robots_[row]);
   const auto saved = app::save(chosen);
   if (!saved) return say(tr("Not saved: %1").arg(QString::fromStdString(saved.error())), Severity::warning);
-  QString text = tr("Saved in %1, %n new robot(s).", nullptr, static_cast<int>(saved->added))
-                     .arg(QString::fromStdString(saved->file));
+  QString text =
+      tr("Saved in %1, %2.")
+          .arg(QString::fromStdString(saved->file), counted(static_cast<qsizetype>(saved->added), "new robot"));
   for (const std::string& problem : saved->problems) text += QLatin1Char(' ') + QString::fromStdString(problem) + '.';
   say(text, saved->problems.empty() ? Severity::good : Severity::warning);
 }

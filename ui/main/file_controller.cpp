@@ -8,6 +8,7 @@
 #include "app/experiment/rehearsal.h"
 #include "app/experiment/text_file.h"
 #include "ui/base/dialogs.h"
+#include "ui/base/number_text.h"
 #include "ui/base/settings.h"
 
 namespace skein::ui {
@@ -107,15 +108,16 @@ void FileController::refresh() {
   if (live_.is_busy()) return;  // the session before is still being opened or closed
   const auto done = reading_.take();
   if (!done) return;
-  const auto counted = [&](const std::vector<app::Problem>& problems) {
-    return tr("%1 has %n problem(s)", nullptr, static_cast<int>(problems.size())).arg(QFileInfo(done->file).fileName());
+  const auto found_in = [&](const std::vector<app::Problem>& problems) {
+    return tr("%1 has %2")
+        .arg(QFileInfo(done->file).fileName(), counted(static_cast<qsizetype>(problems.size()), "problem"));
   };
   if (!done->unreadable.empty())
-    return messages_.problem(tr("This experiment cannot be run"), counted(done->unreadable),
+    return messages_.problem(tr("This experiment cannot be run"), found_in(done->unreadable),
                              lines_of(done->unreadable).join(QLatin1Char('\n')));
   if (!done->experiment) {
     const std::vector<app::Problem>& problems = done->experiment.error();
-    messages_.note(counted(problems) + QStringLiteral(": ") + lines_of(problems).first(), Severity::warning);
+    messages_.note(found_in(problems) + QStringLiteral(": ") + lines_of(problems).first(), Severity::warning);
     emit broken(QString::fromStdString(done->text), done->file);
     return;
   }

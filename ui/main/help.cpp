@@ -14,8 +14,8 @@ QString shortcuts_text() {
   return QStringLiteral("<table>") + section(tr("The run")) +
          row.arg(tr("Space, Esc"), tr("STOP: all robots, at once, wherever the focus is, even while you type")) +
          row.arg(QStringLiteral("F5"), tr("Start, pause, resume")) +
-         row.arg(QStringLiteral("F6"), tr("A simulation: one tick on, and pause")) +
-         row.arg(tr("Ctrl+Up, Ctrl+Down"), tr("A simulation: faster, slower")) +
+         row.arg(QStringLiteral("F6"), tr("A simulation or a replay: one tick on, and pause")) +
+         row.arg(tr("Ctrl+Up, Ctrl+Down"), tr("A simulation or a replay: faster, slower")) +
          row.arg(QStringLiteral("Ctrl+R"), tr("Record as CSV")) + row.arg(QStringLiteral("Ctrl+N"), tr("New run")) +
          row.arg(QStringLiteral("Ctrl+B"), tr("A simulation or its replay: go on from this moment, with changes")) +
          row.arg(QStringLiteral("Ctrl+Alt+Z"),

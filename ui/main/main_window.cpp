@@ -25,6 +25,7 @@
 #include "ui/arena/arena_view.h"
 #include "ui/base/compared.h"
 #include "ui/base/dialogs.h"
+#include "ui/base/number_text.h"
 #include "ui/base/settings.h"
 #include "ui/base/timing_text.h"
 #include "ui/gains/gains_panel.h"
@@ -521,10 +522,8 @@ void MainWindow::connect_panels() {
   connect(files_, &FileController::experiment_wanted, this,
           [this](const app::Experiment& experiment) { open(experiment, false); });
   comparison_->set_kicks([this] {
-    std::vector<double> kicks;
-    if (const RunResults* results = results_->results())
-      for (const RunResults::Kick& kick : results->kicks()) kicks.push_back(kick.t);
-    return kicks;
+    const RunResults* results = results_->results();
+    return results ? results->kicks() : std::vector<RunResults::Kick>();
   });
   connect(comparison_, &ComparisonController::compared, this, [this] {
     std::vector<ResultPanel::Beside> others;
@@ -563,7 +562,7 @@ void MainWindow::connect_session() {
     pairs_->explain(record);
   });
 
-  connect(&runs_.replay(), &ReplayRun::obstacles_stand, arena_, &ArenaView::set_obstacles);
+  connect(&runs_.replay(), &ReplayRun::jumped, arena_, &ArenaView::set_circumstances);
   const LiveRun* live = &runs_.live();
   connect(live, &LiveRun::opened, this, &MainWindow::on_opened);
   connect(live, &LiveRun::open_failed, this, &MainWindow::on_open_failed);
@@ -578,7 +577,7 @@ void MainWindow::connect_session() {
                     Severity::warning);
   });
   connect(live, &LiveRun::rows_missed, this, [this](int rows) {
-    messages_->note(tr("The window hung: it has missed %n row(s), which are in the recording.", nullptr, rows),
+    messages_->note(tr("The window hung: it has missed %1; the recording has them.").arg(counted(rows, "row")),
                     Severity::warning);
   });
   connect(live, &LiveRun::closed, this, [this] {
@@ -745,7 +744,7 @@ void MainWindow::show_state() {
   arena_->set_fixed(fixed);
   gains_->set_before_start(run.is_open() && phase == app::Phase::ready);
   robot_buttons_->setEnabled(!run.is_complete());
-  robot_buttons_->show_state({run.robots(), run.held(), phase, run.is_open(), run.is_busy()});
+  robot_buttons_->show_state({run.robots(), run.circumstances().held, phase, run.is_open(), run.is_busy()});
   plots_->set_playhead(run.is_complete() ? std::optional(run.t()) : std::nullopt);
   show_timing();
   results_->refresh();
@@ -754,7 +753,8 @@ void MainWindow::show_state() {
   arena_->set_may_be_driving(run.may_be_driving());
   const LiveRun& live = runs_.live();
   arena_->set_unseen(&run == &live ? live.camera().why_lost : std::vector<app::UnseenTag>());
-  robots_->robots().show_record(*run.latest(), {run.robots(), run.stop_asked(), run.held(), run.may_be_driving()});
+  robots_->robots().show_record(
+      *run.latest(), {run.robots(), run.stop_asked(), run.circumstances(), run.may_be_driving(), run.is_complete()});
   QStringList low;
   const auto& robots = run.robots();
   for (std::size_t i = 0; i < robots.size(); ++i)

@@ -220,6 +220,11 @@ void ResultPanel::copy(const QString& text) {
   QGuiApplication::clipboard()->setText(text);
 }
 
+void ResultPanel::changeEvent(QEvent* event) {
+  if (event->type() == QEvent::PaletteChange) dirty_ = true;  // marks of other colours
+  QWidget::changeEvent(event);
+}
+
 void ResultPanel::showEvent(QShowEvent* event) {
   QWidget::showEvent(event);
   dirty_ = true;

@@ -37,6 +37,7 @@ class ResultPanel final : public QWidget {
   void save_wanted();
 
  protected:
+  void changeEvent(QEvent*) override;
   void showEvent(QShowEvent*) override;
 
  private:

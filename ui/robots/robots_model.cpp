@@ -51,13 +51,17 @@ void RobotsModel::show_record(const app::TickRecord& record, const Known& known)
   robots_ = record.robots;
   known_ = known;
   why_.clear();
-  for (std::size_t i = 0; i < record.robots.size(); ++i) why_ << why(record, i);
+  for (std::size_t i = 0; i < record.robots.size(); ++i) why_ << why(record, i, known_.circumstances);
   if (!specs_.empty()) emit dataChanged(index(0, 0), index(rowCount() - 1, columns - 1));
 }
 
 void RobotsModel::set_colours(const Colours& colours) {
   colours_ = colours;
   if (!specs_.empty()) emit dataChanged(index(0, 0), index(rowCount() - 1, columns - 1));
+}
+
+bool RobotsModel::has_links() const {
+  return std::any_of(specs_.begin(), specs_.end(), [](const app::RobotSpec& robot) { return robot.has_link(); });
 }
 
 int RobotsModel::rowCount(const QModelIndex& parent) const {
@@ -121,7 +125,8 @@ QString RobotsModel::text(std::size_t i, int column) const {
   if (i >= robots_.size()) return nothing();
   const app::RobotRecord& record = robots_[i];
   if (column == mode && may_be_driving(i)) return may_be_driving_style(colours_).name;
-  if (column == mode) return known_.held.contains(static_cast<int>(i)) ? tr("held") : mode_text(record.mode);
+  if (column == mode)
+    return known_.circumstances.held.contains(static_cast<int>(i)) ? tr("held") : mode_text(record.mode);
   if (column == found) return found_text(record);
   if (column == tag_age) {
     if (!(record.pose_age < 1e6)) return nothing();
@@ -131,7 +136,23 @@ QString RobotsModel::text(std::size_t i, int column) const {
   return QStringLiteral("%1 / %2").arg(fixed(record.wheels.left, 0), fixed(record.wheels.right, 0));
 }
 
+/// Why a cell about the link has a dash.
+QString RobotsModel::why_nothing(std::size_t i, int column) const {
+  if (!specs_[i].has_link()) return tr("Robot %1 is simulated without a link: there is nothing to measure").arg(i + 1);
+  if (known_.recorded && column == firmware) return tr("The rows of a recording do not have it");
+  if (column == round_trip)
+    return known_.recorded ? tr("The recording has none at this time: no answer had come yet, or the run was on the "
+                                "virtual clock, which measures none")
+                           : tr("No answer has come yet");
+  if (column == battery)
+    return known_.recorded ? tr("The recording has none at this time: the robot had not reported its battery yet")
+                           : tr("Not reported yet; an old e-puck1 reports only whether it is low");
+  return tr("Not reported yet");
+}
+
 QString RobotsModel::tip(std::size_t i, int column) const {
+  const bool of_link = column == round_trip || column == battery || column == firmware;
+  if (of_link && text(i, column) == nothing()) return why_nothing(i, column);
   if ((column == link || column == round_trip || column == firmware) && i < known_.links.size()) {
     const app::RobotStatus& status = known_.links[i];
     QString tip = status.reason.empty() ? QString() : QString::fromStdString(status.reason) + QLatin1Char('\n');

@@ -2,12 +2,12 @@
 
 #include <QAbstractTableModel>
 #include <QStringList>
-#include <set>
 #include <vector>
 
 #include "app/experiment/experiment.h"
 #include "app/run/tick_record.h"
 #include "app/session/session.h"
+#include "ui/base/circumstances.h"
 #include "ui/base/palette.h"
 
 namespace skein::ui {
@@ -28,11 +28,13 @@ class RobotsModel final : public QAbstractTableModel {
   struct Known {
     std::vector<app::RobotStatus> links;
     bool stop_asked = false;
-    std::set<int> held{};                       ///< by the operator, from 0
+    Circumstances circumstances{};
     std::vector<std::size_t> may_be_driving{};  ///< from 0: commanded to stand, and not acknowledged
+    bool recorded = false;                      ///< a replay
   };
   void show_record(const app::TickRecord& record, const Known& known);
   void set_colours(const Colours& colours);
+  bool has_links() const;  ///< whether any robot has one
 
   int rowCount(const QModelIndex& parent = {}) const override;
   int columnCount(const QModelIndex& parent = {}) const override;
@@ -42,6 +44,7 @@ class RobotsModel final : public QAbstractTableModel {
  private:
   QString text(std::size_t i, int column) const;
   QString tip(std::size_t i, int column) const;
+  QString why_nothing(std::size_t i, int column) const;
   bool may_be_driving(std::size_t i) const;
   QVariant ink(std::size_t i, int column) const;
 

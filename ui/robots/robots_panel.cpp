@@ -63,18 +63,22 @@ RobotsPanel::RobotsPanel(QWidget* parent) : QTableView(parent) {
           [this](const QModelIndex& now) { emit picked(now.isValid() ? now.row() : -1); });
 }
 
-/// What only robots with a link have takes no room where there are none, nor do tags that say the robots' numbers.
+/// What only robots with a link have takes no room where there are none, nor do tags that say the robots' numbers, or
+/// a firmware that no robot has reported.
 void RobotsPanel::hide_empty_columns() {
   bool same = true;
   for (int row = 0; row < model_.rowCount(); ++row)
     same = same && model_.index(row, RobotsModel::tag).data() == model_.index(row, RobotsModel::robot).data();
   if (isColumnHidden(RobotsModel::tag) != same) setColumnHidden(RobotsModel::tag, same);
-  for (const int column : {RobotsModel::round_trip, RobotsModel::battery, RobotsModel::firmware}) {
-    bool empty = true;
-    for (int row = 0; row < model_.rowCount(); ++row)
-      empty = empty && model_.index(row, column).data().toString() == RobotsModel::nothing();
-    if (isColumnHidden(column) != empty) setColumnHidden(column, empty);
-  }
+  const auto hide = [this](int column, bool hidden) {
+    if (isColumnHidden(column) != hidden) setColumnHidden(column, hidden);
+  };
+  hide(RobotsModel::round_trip, !model_.has_links());
+  hide(RobotsModel::battery, !model_.has_links());
+  bool nobody = true;
+  for (int row = 0; row < model_.rowCount(); ++row)
+    nobody = nobody && model_.index(row, RobotsModel::firmware).data().toString() == RobotsModel::nothing();
+  hide(RobotsModel::firmware, nobody);
   fit_mode();
 }
 
@@ -104,6 +108,7 @@ bool RobotsPanel::viewportEvent(QEvent* event) {
     const QModelIndex of = indexAt(asked->pos());
     tip_ = {of, asked->globalPos(), of.data(Qt::ToolTipRole).toString()};
   }
+  if (event->type() == QEvent::Leave) tip_ = {};  // whatever follows would keep it there
   return done;
 }
 

@@ -68,7 +68,7 @@ void LiveRun::open(const app::Experiment& experiment, bool start_at_once, const 
   close_asked_ = false;
   latest_.reset();
   robots_.clear();
-  held_.clear();
+  circumstances_ = Circumstances(experiment);
   parameters_ = app::declared_parameters(experiment.controller.law);
   failure_.reset();
   film_is_broken_ = false;
@@ -112,7 +112,7 @@ void LiveRun::end() {
   Left left = leave();
   latest_.reset();
   robots_.clear();
-  held_.clear();
+  circumstances_ = Circumstances(experiment_);
   record_file_.clear();
   history_.clear();
   changing_ = std::async(std::launch::async, [left = std::move(left)]() mutable -> std::optional<Opened> {
@@ -180,7 +180,7 @@ void LiveRun::poll() {
   if (session_) {
     session_->drain([this](const app::TickRecord& record) {
       latest_ = record;
-      note_holds(record, held_);
+      circumstances_.note(record);
       note_parameters(record, parameters_);
       history_.add(record);
       emit row_added(record);

@@ -73,7 +73,7 @@ class LiveRun final : public RunSource {
     return session_ ? session_->timing_so_far() : std::optional<app::Timing>();
   }
   bool stop_asked() const override { return stop_asked_; }
-  const std::set<int>& held() const override { return held_; }
+  const Circumstances& circumstances() const override { return circumstances_; }
   std::vector<std::size_t> may_be_driving() const override;
   /// Whether a second has passed since STOP: before that, robots have not had enough time to acknowledge it.
   bool stop_is_due() const { return !stop_asked_ || since_stop_.hasExpired(1000); }
@@ -192,7 +192,7 @@ class LiveRun final : public RunSource {
   FilmOfRun film_;
   std::optional<app::TickRecord> latest_;
   std::vector<app::RobotStatus> robots_;
-  std::set<int> held_;
+  Circumstances circumstances_;
   std::vector<app::LawParameter> parameters_;
   app::CameraStatus camera_;
   std::optional<QString> failure_;

@@ -26,15 +26,24 @@ void ReplayRun::load(Recording run) {
   run_ = std::move(run);
   next_ = 0;
   uncoupled_.clear();
-  held_.clear();
   links_.clear();
   t_ = run_ ? first_time() : 0.0;
   if (!run_) return;
+  circumstances_ = Circumstances(experiment());
   parameters_ = app::declared_parameters(experiment().controller.law);
   demand_ = app::make_reference(experiment())->demand(experiment().controller.k_y);
   links_.resize(experiment().robots.size());
-  for (app::RobotStatus& link : links_) {
-    link.link = app::LinkState::recorded;
+  take_links();
+}
+
+/// What the present row says of the robots' links.
+void ReplayRun::take_links() {
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    const app::LinkRecord& recorded = row().robots[i].link;
+    app::RobotStatus& link = links_[i];
+    link.link = recorded.state.value_or(app::LinkState::recorded);
+    link.round_trip = recorded.round_trip;
+    link.battery = recorded.battery;
     link.stop_acknowledged = true;
   }
 }
@@ -164,7 +173,7 @@ void ReplayRun::advance() {
 }
 
 void ReplayRun::note_changes(const app::TickRecord& of) {
-  note_holds(of, held_);
+  circumstances_.note(of);
   note_parameters(of, parameters_);
   for (const app::Event& event : of.events) {
     if (const auto* const off = std::get_if<app::events::Uncouple>(&event))
@@ -179,6 +188,7 @@ void ReplayRun::show_until(std::size_t end) {
     note_changes(run_->rows[next_]);
     emit record_shown(run_->rows[next_]);
   }
+  take_links();
 }
 
 RunSource::Done ReplayRun::step() {
@@ -195,18 +205,10 @@ bool ReplayRun::seek(double t) {
   const std::size_t end = std::max<std::size_t>(1, rows_until(*run_, t_));
   next_ = std::min(end - 1, rows_until(*run_, t_ - memory));
   uncoupled_.clear();
-  held_.clear();
+  circumstances_ = Circumstances(experiment());
   parameters_ = app::declared_parameters(experiment().controller.law);
-  std::vector<core::Obstacle> obstacles = experiment().obstacles;
-  for (std::size_t k = 0; k < next_; ++k) {
-    note_changes(run_->rows[k]);
-    for (const app::Event& event : run_->rows[k].events)
-      if (const auto* const put = std::get_if<app::events::PutObstacle>(&event)) {
-        if (put->number >= obstacles.size()) obstacles.resize(put->number + 1);
-        obstacles[put->number] = put->obstacle;
-      }
-  }
-  emit obstacles_stand(obstacles);
+  for (std::size_t k = 0; k < next_; ++k) note_changes(run_->rows[k]);
+  emit jumped(circumstances_);
   show_until(end);
   emit changed();
   return true;

@@ -54,7 +54,7 @@ class ReplayRun final : public RunSource {
   bool is_busy() const override { return false; }
   bool is_before_start() const override { return false; }
   bool stop_asked() const override { return false; }
-  const std::set<int>& held() const override { return held_; }
+  const Circumstances& circumstances() const override { return circumstances_; }
   std::vector<std::size_t> may_be_driving() const override { return {}; }
   QString why_fixed() const override;
   Notice banner() const override;
@@ -82,8 +82,8 @@ class ReplayRun final : public RunSource {
   Done put_obstacle(int, const core::Obstacle&) override { return refusal(); }
 
  signals:
-  /// The obstacles after a jump in time, before the rows that are shown again.
-  void obstacles_stand(const std::vector<core::Obstacle>& obstacles);
+  /// In time; before the rows that are shown again.
+  void jumped(const skein::ui::Circumstances& circumstances);
 
  private:
   const app::TickRecord& row() const { return run_->rows[next_ > 0 ? next_ - 1 : 0]; }
@@ -92,13 +92,14 @@ class ReplayRun final : public RunSource {
   void advance();
   void note_changes(const app::TickRecord& of);
   void show_until(std::size_t end);
+  void take_links();
 
   Recording run_;
   core::ReferenceDemand demand_;         // of the whole reference
-  std::vector<app::RobotStatus> links_;  // unknown in a replay
+  std::vector<app::RobotStatus> links_;  // as far as the row has them
   // At the present moment, by the events until then:
   std::set<std::array<std::size_t, 2>> uncoupled_;  // i < j
-  std::set<int> held_;
+  Circumstances circumstances_;
   std::vector<app::LawParameter> parameters_;
   std::size_t next_ = 0;  // the first row that was not shown
   double t_ = 0.0, speed_ = 1.0;

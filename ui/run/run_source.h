@@ -2,20 +2,17 @@
 
 #include <QObject>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
 #include <tl/expected.hpp>
 
 #include "app/session/session.h"
+#include "ui/base/circumstances.h"
 #include "ui/run/run_history.h"
 #include "ui/run/run_state.h"
 
 namespace skein::ui {
-
-/// Adds the robots that are held by this record's events, and removes those that are released.
-void note_holds(const app::TickRecord& record, std::set<int>& held);
 
 /// Updates the values of the law's parameters by this record's events; a recording may have more than its file
 /// declares.
@@ -50,8 +47,8 @@ class RunSource : public QObject {
   virtual const std::vector<app::RobotStatus>& robots() const = 0;
   /// How late its ticks have been so far; none: not known.
   virtual std::optional<app::Timing> timing() const { return {}; }
-  virtual bool stop_asked() const = 0;            ///< by the operator
-  virtual const std::set<int>& held() const = 0;  ///< robots, from 0, that the operator holds
+  virtual bool stop_asked() const = 0;                     ///< by the operator
+  virtual const Circumstances& circumstances() const = 0;  ///< at the present moment
   /// The robots, from 0, that were commanded to stop and have not acknowledged it: they may be driving.
   virtual std::vector<std::size_t> may_be_driving() const = 0;
 

@@ -197,7 +197,7 @@ TEST(CsvReader, FindsCellsByName) {
 }
 
 TEST(CsvReader, SaysWhereAFileIsBroken) {
-  EXPECT_EQ(read_error(""), "run.csv:0: ends before a header row, allowed: a CSV written by `skein run --csv`");
+  EXPECT_EQ(read_error(""), "run.csv: it is empty, allowed: a CSV written by `skein run --csv`");
   EXPECT_EQ(read_error("# skein 1\n# seed: x\n"), "run.csv:2: the seed is not a whole number");
   EXPECT_EQ(read_error("a,b\n1,2\n"),
             "run.csv:1: the header row has no column t, allowed: a CSV written by `skein run --csv`");
@@ -209,6 +209,26 @@ TEST(CsvReader, SaysWhereAFileIsBroken) {
   EXPECT_EQ(read_error("t,tick,r1_x,event\n1,2,3,boo\n"),
             "run.csv:2: column event: found \"boo\", allowed: events joined by \"; \"");
   EXPECT_EQ(read_error("other,t,tick,r1_x\r\nhello,1,2,3\r\n"), "") << "unknown columns and Windows line ends";
+}
+
+TEST(CsvReader, ReadsAFileThatAnotherProgramSavedWithTheLineEndsOfWindowsAndAByteOrderMark) {
+  std::string text = "\xEF\xBB\xBF";
+  for (const char c : csv(robots(2), {numbered(2)})) text += c == '\n' ? std::string("\r\n") : std::string(1, c);
+  std::istringstream in(text), original(csv(robots(2), {numbered(2)}));
+  auto reader = CsvReader::open(in, "run.csv");
+  ASSERT_TRUE(reader) << reader.error();
+  EXPECT_TRUE(reader->head().intact) << "the experiment is said to have been changed";
+  EXPECT_EQ(reader->head().source, CsvReader::open(original, "run.csv")->head().source);
+  TickRecord row;
+  EXPECT_TRUE(reader->next(row).value());
+  EXPECT_FALSE(reader->next(row).value());
+  EXPECT_FALSE(reader->torn());
+  EXPECT_EQ(reader->whole_bytes(), text.size());
+}
+
+TEST(CsvReader, KeepsLineEndsOfWindowsThatTheExperimentHasOfItsOwn) {
+  std::istringstream in("# skein 1\n#| name = \"x\"\r\nt,tick,r1_x\n1,2,3\n");
+  EXPECT_EQ(CsvReader::open(in, "run.csv")->head().source, "name = \"x\"\r\n") << "its hash is of these";
 }
 
 TEST(CsvReader, ReadsUpToATornRowAndSaysSo) {
