@@ -90,6 +90,8 @@ TEST_F(Robots, HaveTheirLinksInAReplayAsTheRecordingHasThem) {
   })) << "no robot has answered";
   const double late = record().t;
   ASSERT_TRUE(eventually([&] { return record().t > late; }));
+  window.stop();  // while robots with links drive no file is opened
+  ASSERT_TRUE(eventually([&] { return stopped(); }));
   const QTemporaryDir dir;
   const QString file = dir.filePath(QStringLiteral("run.csv"));
   EXPECT_EQ(write_csv(live().history().rows(), live().experiment(), file), QString());
