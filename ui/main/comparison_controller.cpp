@@ -99,6 +99,7 @@ void ComparisonController::show() {
 void ComparisonController::align(int kick) {
   const std::vector<RunResults::Kick> own = kicks_ ? kicks_() : std::vector<RunResults::Kick>();
   std::vector<double> times;
+  times.reserve(own.size());
   for (const RunResults::Kick& of : own) times.push_back(of.t);
   plots_->comparison_bar().show_kicks(times);
   aligned_at_ = kick <= static_cast<int>(own.size()) ? kick : 0;
