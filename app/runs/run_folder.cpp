@@ -71,8 +71,14 @@ tl::expected<nlohmann::ordered_json, std::string> read_story(const std::string& 
   const std::string path = (fs::path(folder) / run_files::story).string();
   std::ifstream file(path, std::ios::binary);
   if (!file) return tl::unexpected(fmt::format("{}: cannot be opened: {}", path, std::strerror(errno)));
-  auto story = nlohmann::ordered_json::parse(file, nullptr, false);
-  if (!story.is_object())
+  constexpr int deepest = 100;  // what is nested deeper cannot be written again: that recurses
+  bool too_deep = false;
+  const auto is_shallow = [&](int depth, nlohmann::ordered_json::parse_event_t, nlohmann::ordered_json&) {
+    too_deep = too_deep || depth > deepest;
+    return !too_deep;
+  };
+  auto story = nlohmann::ordered_json::parse(file, is_shallow, false);
+  if (!story.is_object() || too_deep)
     return tl::unexpected(path + ": is not a JSON object, allowed: a file written by `skein run --keep`");
   return story;
 }

@@ -219,14 +219,15 @@ struct RunIndex::State {
   }
 
   /// The keys that a word stands for: the one with this name; else those that end in it behind a dot, numbered ones
-  /// (of single robots, say) only where there are no others.
+  /// (of single robots, say) only where there are no others. Expectations are named in full: they have the names of
+  /// results, which a run without any would seem to have.
   tl::expected<std::int64_t, std::string> resolve(const std::string& word) {
     std::vector<std::pair<std::string, std::int64_t>> plain, similar;
     Statement keys(database, "SELECT name, number FROM key ORDER BY name");
     while (keys.row()) {
       const std::string name = keys.text(0);
       if (name == word) return keys.whole(1);
-      if (name.ends_with('.' + word)) plain.emplace_back(name, keys.whole(1));
+      if (name.ends_with('.' + word) && !name.starts_with("expect.")) plain.emplace_back(name, keys.whole(1));
       if (name.find(word) != std::string::npos) similar.emplace_back(name, 0);
     }
     const auto numbered = [](const auto& key) {

@@ -8,6 +8,8 @@
 #include <cstring>
 #include <fstream>
 
+#include "app/experiment/text_file.h"
+
 namespace skein::app {
 
 namespace {
@@ -23,6 +25,7 @@ std::string digest_of(sha256_ctx& context) {
 }  // namespace
 
 tl::expected<std::string, std::string> sha256_of_file(const std::string& path) {
+  if (const auto is_file = check_is_file(path); !is_file) return tl::unexpected(is_file.error());  // no FIFO, say
   std::ifstream file(path, std::ios::binary);
   if (!file) return tl::unexpected(fmt::format("{}: cannot be opened: {}", path, std::strerror(errno)));
   sha256_ctx context;

@@ -53,6 +53,13 @@ Step check_files(const std::string& folder, const Json& story) {
   }
   for (const std::string& name : files_of_run(folder))
     if (!known.contains(name)) fail(fmt::format("{}: does not belong to the run", name));
+  std::error_code error;
+  for (fs::recursive_directory_iterator one(folder, error), end; !error && one != end; one.increment(error)) {
+    std::error_code gone;
+    if (one->is_regular_file(gone) || one->symlink_status(gone).type() == fs::file_type::directory) continue;
+    fail(fmt::format("{}: does not belong to the run: it is a link, a device or a FIFO",
+                     one->path().lexically_relative(folder).string()));
+  }
   if (step.holds) step.finding = fmt::format("{} files have their hashes in run.json", known.size() - 1);
   return step;
 }
@@ -82,7 +89,7 @@ Step check_commands(const std::string& folder, const std::string& csv, std::vect
   std::ifstream in(csv, std::ios::binary);
   const fs::path film = fs::path(folder) / run_files::film;
   std::error_code ignored;
-  const auto result = replay(in, csv, fs::exists(film, ignored) ? film.string() : "");
+  const auto result = replay(in, csv, fs::is_regular_file(film, ignored) ? film.string() : "");
   if (!result) return {"commands", false, result.error()};
   notes.insert(notes.end(), result->warnings.begin(), result->warnings.end());
   if (result->different > 0 || result->poses_different > 0)
@@ -184,6 +191,10 @@ tl::expected<Verification, std::string> verify_run(const std::string& folder) {
     result.notes.emplace_back(
         "run.json has no SHA-256 of its own, as those of earlier versions: what it says is not verified");
   result.steps.push_back(check_files(folder, *story));
+  if (const auto is_file = check_is_file(csv); !is_file) {
+    result.steps.push_back({"experiment", false, is_file.error()});
+    return result;
+  }
   result.steps.push_back(check_experiment(folder, csv));
   result.steps.push_back(check_commands(folder, csv, result.notes));
   const bool repeats = text_at(*story, "clock") == "virtual" && text_at(*story, "state") == "finished";

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <fstream>
@@ -271,6 +272,24 @@ TEST(Verify, NoticesAChangedByteAMissingFileAndOneTooMany) {
   std::filesystem::remove(run + "/mine.txt");
   std::filesystem::remove(run + "/figure3.svg");
   EXPECT_FALSE(holds(*verify_run(run), "files"));
+}
+
+/// What is no file has no hash, and reading a FIFO would wait for ever.
+TEST(Verify, NoticesLinksAndWhatIsNoFile) {
+  const Folder folder;
+  const std::string run = keep(folder, folder / "runs", text);
+  std::filesystem::create_directory_symlink(folder.path, run + "/elsewhere");
+  EXPECT_FALSE(holds(*verify_run(run), "files"));
+  std::filesystem::remove(run + "/elsewhere");
+  std::filesystem::create_symlink("/nowhere", run + "/dangling");
+  EXPECT_FALSE(holds(*verify_run(run), "files"));
+  std::filesystem::remove(run + "/dangling");
+  EXPECT_TRUE(verify_run(run)->holds());
+  for (const char* const name : {"/summary.json", "/run.csv"}) {
+    std::filesystem::remove(run + name);
+    ASSERT_EQ(::mkfifo((run + name).c_str(), 0600), 0);
+    EXPECT_FALSE(holds(*verify_run(run), "files")) << name;
+  }
 }
 
 /// Whoever changes a number and its hash as well is found out by the run itself.

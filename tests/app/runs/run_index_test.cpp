@@ -220,6 +220,27 @@ TEST(RunIndex, ARunThatCannotBeReadIsNamedAndHidesNoOther) {
   EXPECT_NE(index.problems().front().find("torn/run.json"), std::string::npos);
 }
 
+/// A run that has only begun: what it is expected to give is not what it gave.
+TEST(RunIndex, AnExpectationIsNotTakenForAResult) {
+  const Folder runs;
+  keep_run(runs, "2026-11-06_120000_begun", R"({"state":"begun","experiment":{"expect.final_error":0.002}})");
+  auto index = RunIndex::open(runs.path).value();
+  EXPECT_TRUE(index.all({"final_error"}).front().facts.empty());
+  EXPECT_EQ(refusal(index, "final_error < 1"),
+            "final_error: no run has such a key; similar ones are expect.final_error");
+  EXPECT_EQ(index.find(parse_query("expect.final_error < 1").value(), {})->size(), 1u);
+}
+
+/// A run.json from elsewhere: what is nested so deep cannot be written, since that recurses.
+TEST(RunIndex, ARunJsonThatIsNestedTooDeepIsNamed) {
+  FourRuns four;
+  const std::string deep(1'000'000, '[');
+  keep_run(four.runs, "2026-11-06_120000_deep", R"({"x":)" + deep + std::string(deep.size(), ']') + "}");
+  auto index = RunIndex::open(four.runs.path).value();
+  EXPECT_EQ(index.size(), 4u);
+  EXPECT_EQ(index.problems().size(), 1u);
+}
+
 TEST(RunFolder, IsFoundByNameBeginningPathAndLast) {
   FourRuns four;
   const std::string second = four.runs / "2026-11-02_120000_platoon";
