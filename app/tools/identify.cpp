@@ -34,13 +34,15 @@ double largest_persistence(const std::vector<core::Innovation>& innovations) {
   double largest = 0.0;
   for (double core::Innovation::*const residual :
        {&core::Innovation::ahead, &core::Innovation::left, &core::Innovation::theta}) {
-    double products = 0.0, squares = 0.0;
+    double products = 0.0, squares = 0.0, squares_before = 0.0;
     for (std::size_t k = 1; k < innovations.size(); ++k) {
       if (!innovations[k].used || !innovations[k - 1].used) continue;
       products += innovations[k].*residual * innovations[k - 1].*residual;
       squares += innovations[k].*residual * innovations[k].*residual;
+      squares_before += innovations[k - 1].*residual * innovations[k - 1].*residual;
     }
-    const double correlation = squares > 0.0 ? products / squares : 0.0;
+    const double both = std::sqrt(squares) * std::sqrt(squares_before);
+    const double correlation = both > 0.0 ? std::clamp(products / both, -1.0, 1.0) : 0.0;
     if (std::abs(correlation) > std::abs(largest)) largest = correlation;
   }
   return largest;
@@ -145,7 +147,7 @@ std::vector<RobotHistory> RunHistory::finish() && {
   return all;
 }
 
-tl::expected<std::vector<RobotHistory>, std::string> read_history(const std::string& csv) {
+tl::expected<RecordedHistory, std::string> read_history(const std::string& csv) {
   std::ifstream file(csv, std::ios::binary);
   if (!file) return tl::unexpected(fmt::format("{}: cannot be opened: {}", csv, std::strerror(errno)));
   auto reader = CsvReader::open(file, csv);
@@ -156,9 +158,26 @@ tl::expected<std::vector<RobotHistory>, std::string> read_history(const std::str
   for (TickRecord row;;) {
     const auto more = reader->next(row);
     if (!more) return tl::unexpected(more.error());
-    if (!*more) return std::move(history).finish();
+    if (!*more) return RecordedHistory{std::move(history).finish(), reader->torn()};
     history.record(row);
   }
+}
+
+bool same_run(const std::vector<RobotHistory>& a, const std::vector<RobotHistory>& b) {
+  const auto same_pose = [](const core::SeenPose& one, const core::SeenPose& other) {
+    return one.t == other.t && one.pose.x == other.pose.x && one.pose.y == other.pose.y &&
+           one.pose.theta == other.pose.theta;
+  };
+  bool any = false;
+  for (const RobotHistory& one : a)
+    for (const RobotHistory& other : b) {
+      if (one.key != other.key) continue;
+      const std::vector<core::SeenPose>&poses = one.input.poses, &others = other.input.poses;
+      const auto both = static_cast<std::ptrdiff_t>(std::min(poses.size(), others.size()));
+      if (!std::equal(poses.begin(), poses.begin() + both, others.begin(), same_pose)) return false;
+      any = true;
+    }
+  return any;
 }
 
 void append(std::vector<RobotHistory>& robots, std::vector<RobotHistory> more) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -56,8 +57,15 @@ class RunHistory final : public RecordSink {
   double before_ = none;  ///< time of the newest row
 };
 
+struct RecordedHistory {
+  std::vector<RobotHistory> robots;
+  std::optional<std::string> torn;  ///< where the file ends in the middle of a row, a sentence
+};
 /// Of a run's CSV. The error names file and place.
-tl::expected<std::vector<RobotHistory>, std::string> read_history(const std::string& csv);
+tl::expected<RecordedHistory, std::string> read_history(const std::string& csv);
+
+/// Whether both have the same measurements, at least as far as the shorter one goes: one run, in two files.
+bool same_run(const std::vector<RobotHistory>& a, const std::vector<RobotHistory>& b);
 
 /// Appends the histories of a later run to those of the same robots; new robots come last.
 void append(std::vector<RobotHistory>& robots, std::vector<RobotHistory> more);

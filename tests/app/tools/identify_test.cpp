@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 
@@ -21,6 +22,7 @@ namespace {
 
 using core::Estimate;
 using core::Unknown;
+using test::Folder;
 using test::Rows;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -94,14 +96,16 @@ TEST(Identify, ReadsFromACsvWhatTheSessionHad) {
   const auto read = read_history(folder / "run.csv");
   ASSERT_TRUE(read) << read.error();
   const std::vector<RobotHistory> expected = std::move(direct).finish();
-  ASSERT_EQ(read->size(), expected.size());
+  EXPECT_FALSE(read->torn);
+  const std::vector<RobotHistory>& robots = read->robots;
+  ASSERT_EQ(robots.size(), expected.size());
   for (std::size_t i = 0; i < expected.size(); ++i) {
-    ASSERT_EQ((*read)[i].input.poses.size(), expected[i].input.poses.size());
-    ASSERT_EQ((*read)[i].input.wheels.size(), expected[i].input.wheels.size());
-    EXPECT_EQ((*read)[i].input.poses.back().t, expected[i].input.poses.back().t);
-    EXPECT_EQ((*read)[i].input.poses.back().pose.x, expected[i].input.poses.back().pose.x);
-    EXPECT_EQ((*read)[i].input.wheels.back().left, expected[i].input.wheels.back().left);
-    EXPECT_EQ((*read)[i].key, "tag " + std::to_string(i + 1));
+    ASSERT_EQ(robots[i].input.poses.size(), expected[i].input.poses.size());
+    ASSERT_EQ(robots[i].input.wheels.size(), expected[i].input.wheels.size());
+    EXPECT_EQ(robots[i].input.poses.back().t, expected[i].input.poses.back().t);
+    EXPECT_EQ(robots[i].input.poses.back().pose.x, expected[i].input.poses.back().pose.x);
+    EXPECT_EQ(robots[i].input.wheels.back().left, expected[i].input.wheels.back().left);
+    EXPECT_EQ(robots[i].key, "tag " + std::to_string(i + 1));
   }
   EXPECT_FALSE(read_history(folder / "none.csv"));
 }
@@ -158,6 +162,32 @@ TEST(Identify, PassesOverHands) {
   EXPECT_EQ(found.outliers, 0u);
   EXPECT_NEAR(found.found.wheel_diameter.value / truth.wheel_diameter, 1.0, 0.003);
   EXPECT_NEAR(found.found[Unknown::track].value / truth.track, 1.0, 0.01);
+}
+
+/// A record and a copy of it that a full disk cut short, say: together they would make the intervals narrower.
+TEST(Identify, KnowsARunAgainWhereverItsFileEnds) {
+  const Folder folder;
+  const Experiment experiment = shipped_experiment("identify.toml", {"duration=4"});
+  {
+    std::ofstream file(folder / "run.csv");
+    CsvWriter writer(file, experiment);
+    for (const TickRecord& row : rows_of(experiment)) writer.record(row);
+  }
+  std::filesystem::copy_file(folder / "run.csv", folder / "torn.csv");
+  std::filesystem::resize_file(folder / "torn.csv", std::filesystem::file_size(folder / "run.csv") - 57);
+  const auto whole = read_history(folder / "run.csv"), torn = read_history(folder / "torn.csv");
+  ASSERT_TRUE(whole && torn);
+  ASSERT_TRUE(torn->torn);
+  EXPECT_THAT(*torn->torn, HasSubstr("torn here"));
+  EXPECT_TRUE(same_run(whole->robots, torn->robots));
+  EXPECT_TRUE(same_run(torn->robots, whole->robots));
+  EXPECT_FALSE(same_run(whole->robots, history_of(shipped_experiment("identify.toml", {"duration=4", "seed=2"}))));
+}
+
+/// Of residuals that grow: here the last ones of poses without noise.
+TEST(Identify, TheCorrelationOfResidualsIsOne) {
+  for (const IdentifiedRobot& robot : identify_robots(history_of(shipped_experiment("platoon.toml", {"duration=20"}))))
+    EXPECT_LE(std::abs(robot.persistence), 1.0) << robot.history.name;
 }
 
 TEST(Identify, SeveralRunsTellMoreThanOne) {
