@@ -22,6 +22,7 @@
 #include "app/bench/bench_publish.h"
 #include "app/bench/bench_radio.h"
 #include "app/bench/bench_swaps.h"
+#include "app/bench/bench_timing.h"
 #include "app/bench/identify_study.h"
 #include "app/manual/manual.h"
 #include "app/manual/mistakes.h"
@@ -84,6 +85,13 @@ int report_swaps(double) {
   return bench_swaps(swaps);
 }
 
+TimingBench timing;
+
+int report_timing(double seconds) {
+  timing.seconds = seconds;
+  return bench_timing(timing);
+}
+
 RadioBench radio;  // as the command line says
 
 int report_radio(double) {
@@ -110,6 +118,9 @@ constexpr Bench table[] = {
     {"planner", "what planning costs a tick: 30 robots anywhere, kicks of the platoon", nullptr, report_planner},
     {"swaps", "planned routes beside ORCA, barrier certificates and the field, same scenes", nullptr, report_swaps,
      /*unasked=*/false},
+    {"timing", "lateness of ticks beside that of a bare thread: the ratios with their intervals", nullptr,
+     report_timing,
+     /*unasked=*/false},
     {"links", "links at 25 Hz on pseudo-terminals (2 minutes)", register_link_benchmarks},
     {"radio", "the paper's lap over slow radios; --faults at random", [](double) { register_radio_benchmarks(); },
      report_radio},
@@ -134,13 +145,14 @@ int parse_and_measure(int argc, char** argv, const BenchWindow& bench_window) {
   for (const Bench& bench : table) names.emplace_back(bench.name);
   std::string what;
   program
-      .add_option("what", what,
-                  "one of those below; default: all but cameras, controllers, identify, joint, latency, swaps and ui")
+      .add_option(
+          "what", what,
+          "one of those below; default: all but cameras, controllers, identify, joint, latency, swaps, timing and ui")
       ->check(CLI::IsMember(names));
   double seconds = 60.0;
   program
       .add_option("--seconds", seconds,
-                  "how long each measurement takes, where it does not know by itself: links, publish, ui")
+                  "how long each measurement takes, where it does not know by itself: links, publish, timing, ui")
       ->check(number_within(1.0, 3600.0))
       ->capture_default_str();
   std::optional<std::int64_t> runs;
@@ -148,7 +160,7 @@ int parse_and_measure(int argc, char** argv, const BenchWindow& bench_window) {
       .add_option(
           "--runs", runs,
           "cameras: crossings; controllers: runs under adversaries, 0: none; identify: robots; planner, swaps: scenes; "
-          "default: 10000, 140, 1000, 8, 40")
+          "timing: runs; default: 10000, 140, 1000, 8, 40, 20")
       ->check(whole_number(0, 10'000'000))
       ->type_name("N");
   double hours = 0.0;
@@ -192,8 +204,9 @@ int parse_and_measure(int argc, char** argv, const BenchWindow& bench_window) {
   controllers.runs = runs.value_or(controllers.runs);
   identification.runs = runs.value_or(identification.runs);
   swaps.runs = runs.value_or(swaps.runs);
+  timing.runs = runs.value_or(timing.runs);
   planning.runs = runs.value_or(planning.runs);
-  cameras.seed = controllers.seed = identification.seed = planning.seed = swaps.seed = radio.seed = seed;
+  cameras.seed = controllers.seed = identification.seed = planning.seed = swaps.seed = radio.seed = timing.seed = seed;
   catch_interrupts();
   comms::stop_robots_on_crash();
   if (what == window) {
