@@ -53,13 +53,17 @@ std::span<const std::uint32_t> NearRobots::gather(std::size_t i, std::size_t fir
 
 double NearRobots::smallest_distance(std::span<const Pose> poses) noexcept {
   // Two that are nearer than the reach are all seen; where the nearest are farther apart than that, look farther.
-  constexpr double farther = 2.0, enough = 1e6;
+  constexpr double farther = 2.0, enough = 1e6, rounding = 1.0 + 1e-9;
   double smallest = std::numeric_limits<double>::quiet_NaN();
   if (poses.size() < 2) return smallest;
   for (double reach = last_reach_; reach < enough; reach *= farther) {
     sort(poses, reach);
     for (std::size_t i = 0; i < poses.size(); ++i)
-      for (const std::uint32_t j : above(i)) smallest = std::fmin(smallest, distance(poses[i], poses[j]));
+      for (const std::uint32_t j : above(i)) {
+        const double dx = poses[i].x - poses[j].x, dy = poses[i].y - poses[j].y;
+        if (dx * dx + dy * dy > rounding * smallest * smallest) continue;
+        smallest = std::fmin(smallest, std::hypot(dx, dy));
+      }
     if (!(smallest <= reach)) continue;
     last_reach_ = std::max(1.1 * smallest, 1e-3);
     break;

@@ -12,8 +12,6 @@ constexpr double finest_cell = 0.04;  // [m]: about half a robot
 constexpr double from_edge = 0.01;    // routes keep so much more from the arena's edge than must be: the shield lets a
                                       // robot that heads for the edge drive ever more slowly [m]
 constexpr double beside = 0.03;       // less room than this to spare: the place moves to where there is most [m]
-constexpr std::array<int, 8> step_x{1, 1, 0, -1, -1, -1, 0, 1};
-constexpr std::array<int, 8> step_y{0, 1, 1, 1, 0, -1, -1, -1};
 
 /// The square of the distance of an obstacle's middle from the line between two points.
 double distance2_of(const Obstacle& o, const Lattice::Place& from, const Lattice::Place& to) noexcept {
@@ -40,6 +38,8 @@ Lattice::Lattice(const HalfSize& arena, double keep, std::size_t obstacles)
   free_.resize(places_.size());
   open_.resize(places_.size());
   part_.resize(places_.size());
+  moved_.resize(places_.size(), 1);
+  edges_.resize(places_.size() * directions);
   obstacles_.reserve(obstacles);
   close_.reserve(obstacles);
   build({});
@@ -82,9 +82,16 @@ std::size_t Lattice::beyond(std::size_t vertex, std::size_t d) const noexcept {
   return i < columns_ && j < rows_ ? j * columns_ + i : size();
 }
 
-std::size_t Lattice::neighbour(std::size_t vertex, std::size_t d) const noexcept {
-  if ((open_[vertex] >> d & 1) == 0) return size();
-  return vertex + static_cast<std::size_t>(step_x[d]) + static_cast<std::size_t>(step_y[d]) * columns_;
+/// Lengths and headings of the edges of which an end has moved.
+void Lattice::measure_edges() noexcept {
+  for (std::size_t v = 0; v < size(); ++v)
+    for (std::size_t d = 0; d < directions; ++d) {
+      const std::size_t to = beyond(v, d);
+      if (to == size() || (!moved_[v] && !moved_[to])) continue;
+      const double dx = places_[to].x - places_[v].x, dy = places_[to].y - places_[v].y;
+      edges_[v * directions + d] = {std::hypot(dx, dy), std::atan2(dy, dx)};
+    }
+  std::fill(moved_.begin(), moved_.end(), std::uint8_t{0});
 }
 
 Lattice::Place Lattice::centre(std::size_t vertex) const noexcept {
@@ -134,7 +141,7 @@ void Lattice::build(std::span<const Obstacle> obstacles) noexcept {
     // The arena's edge alone moves no vertex.
     if (to_obstacles < beside && to_obstacles > -cell_)
       room = climb(v, best, room, [&](const Place& there) { return clearance(there.x, there.y, close_); });
-    places_[v] = best;
+    move(v, best);
     free_[v] = room >= 0.0;
   }
   std::iota(part_.begin(), part_.end(), std::size_t{0});
@@ -156,6 +163,12 @@ void Lattice::build(std::span<const Obstacle> obstacles) noexcept {
       if (to == size() || !free_[v] || !free_[to] || part(v) == part(to)) continue;
       if (join(v, d) || join(to, back)) part_[part(v)] = part(to);
     }
+  measure_edges();
+}
+
+void Lattice::move(std::size_t vertex, const Place& to) noexcept {
+  if (places_[vertex].x != to.x || places_[vertex].y != to.y) moved_[vertex] = 1;
+  places_[vertex] = to;
 }
 
 /// Vertices from which a robot gets to one another have the same part: a vertex that stands for them.
@@ -178,7 +191,7 @@ bool Lattice::join(std::size_t vertex, std::size_t d) noexcept {
   };
   Place best = places_[vertex];
   if (climb(vertex, best, least_room(best), least_room) < 0.0) return false;
-  places_[vertex] = best;
+  move(vertex, best);
   open_[vertex] |= static_cast<std::uint8_t>(1u << d);
   open_[beyond(vertex, d)] |= static_cast<std::uint8_t>(1u << (d + directions / 2) % directions);
   return true;

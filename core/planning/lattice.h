@@ -36,7 +36,15 @@ class Lattice {
   };
   const Place& place(std::size_t vertex) const noexcept { return places_[vertex]; }
   /// The neighbour in direction d (0: +x, counter-clockwise), if the line there is free; otherwise size().
-  std::size_t neighbour(std::size_t vertex, std::size_t d) const noexcept;
+  std::size_t neighbour(std::size_t vertex, std::size_t d) const noexcept {
+    if ((open_[vertex] >> d & 1) == 0) return size();
+    return vertex + static_cast<std::size_t>(step_x[d]) + static_cast<std::size_t>(step_y[d]) * columns_;
+  }
+  /// The line to a neighbour that there is.
+  struct Edge {
+    double way = 0.0, heading = 0.0;  // [m], [rad]
+  };
+  const Edge& edge(std::size_t vertex, std::size_t d) const noexcept { return edges_[vertex * directions + d]; }
 
   /// The room beyond the required distance to the nearest obstacle or edge; negative: too little. [m]
   double room(double x, double y) const noexcept { return clearance(x, y, obstacles_); }
@@ -75,6 +83,11 @@ class Lattice {
   double climb(std::size_t vertex, Place& best, double good, F&& goodness) const noexcept;
   std::size_t part(std::size_t vertex) noexcept;
   bool join(std::size_t vertex, std::size_t d) noexcept;
+  void move(std::size_t vertex, const Place& to) noexcept;
+  void measure_edges() noexcept;
+
+  static constexpr std::array<int, directions> step_x{1, 1, 0, -1, -1, -1, 0, 1};
+  static constexpr std::array<int, directions> step_y{0, 1, 1, 1, 0, -1, -1, -1};
 
   double keep_, cell_, left_, bottom_;
   std::size_t columns_, rows_;
@@ -82,6 +95,8 @@ class Lattice {
   std::vector<Place> places_;
   std::vector<std::uint8_t> free_, open_;  // open_: a bit for each direction
   std::vector<std::size_t> part_;
+  std::vector<std::uint8_t> moved_;  // the place is another than when its edges were measured
+  std::vector<Edge> edges_;
   std::vector<Obstacle> obstacles_;
   std::vector<Obstacle> close_;  // those near one cell
 };

@@ -16,12 +16,13 @@ constexpr double sight = 0.06;         // how far ahead a reference looks that c
 constexpr double turn_gain = 4.0;      // [1/s]
 constexpr double catch_up = 2.0;       // [1/s]
 
-constexpr double drives = 0.005;         // a slower robot stands [m/s]
-constexpr double slow_arc = 0.55;        // of the top speed: a tight arc is driven so fast
-constexpr double goes_straight = 0.12;   // who drives goes on as it does while its couplings are released [s]
-constexpr double merge_rounding = 1e-4;  // [m]
-constexpr double reach = 0.06;           // beyond what is to be kept no robot closes in too fast [m]
-constexpr std::size_t coarse = 8;        // samples
+constexpr double drives = 0.005;            // a slower robot stands [m/s]
+constexpr double slow_arc = 0.55;           // of the top speed: a tight arc is driven so fast
+constexpr double goes_straight = 0.12;      // who drives goes on as it does while its couplings are released [s]
+constexpr double merge_rounding = 1e-4;     // [m]
+constexpr double rounding_of_times = 1e-6;  // [s]
+constexpr double reach = 0.06;              // beyond what is to be kept no robot closes in too fast [m]
+constexpr std::size_t coarse = 8;           // samples
 constexpr std::array<double, 2> lane{0.11, -0.11};                                      // beside the place [m]
 constexpr std::array<double, 6> past_obstacles{0.05, -0.05, 0.11, -0.11, 0.18, -0.18};  // beside the place [m]
 constexpr std::array<double, 3> lane_back{0.06, 0.0, -0.05};                            // [m]
@@ -113,9 +114,20 @@ void Merge::find_ways_into_obstacles() noexcept {
   lane_blocked_ = false;
 }
 
+/// Where its place is at a sample of the traffic.
+Route::Position Merge::place_at_sample(std::size_t k) noexcept {
+  if (knows_place_[k] == 0) {
+    const Pose at = place(Traffic::step * static_cast<double>(k)).pose;
+    place_[k] = {at.x, at.y};
+    knows_place_[k] = 1;
+  }
+  return place_[k];
+}
+
 /// The curve from the end of a start to the place. The bend of its beginning and of its end are in `kind`: on the spot,
-/// or an arc.
-bool Merge::plan(const Start& start, std::size_t kind, const ReferencePoint& to, Course& course) noexcept {
+/// or an arc. False: there is none, or it cannot be there until `latest`.
+bool Merge::plan(const Start& start, std::size_t kind, const ReferencePoint& to, double latest,
+                 Course& course) noexcept {
   ++courses_;
   const double first = curvatures_[kind / bends], last = curvatures_[kind % bends];
   const double a = query_.pace.acceleration, v_1 = std::max(0.0, to.twist.v);
@@ -130,6 +142,8 @@ bool Merge::plan(const Start& start, std::size_t kind, const ReferencePoint& to,
   const double h = r_2 - r_1, squared = dx * dx + dy * dy - h * h;
   if (squared < 0.0) return false;
   const double straight = std::sqrt(squared);
+  courses_ += start.count / 4;
+  if (start.wait + (start.stands ? stops_ : 0.0) + straight / query_.pace.v > latest + rounding_of_times) return false;
   const bool nowhere = dx * dx + dy * dy < 1e-12;
   const double heading =
       nowhere ? (first == 0.0 ? start.at.theta : end.theta) : std::atan2(dy, dx) - std::atan2(h, straight);
@@ -145,7 +159,6 @@ bool Merge::plan(const Start& start, std::size_t kind, const ReferencePoint& to,
     course.pieces[course.count++] = {curvature, length, limit};
   };
   for (std::size_t k = 0; k < start.count; ++k) course.pieces[course.count++] = start.pieces[k];
-  courses_ += start.count / 4;
   if (first != 0.0) add(first, std::abs(r_1) * turned_to(std::copysign(1.0, r_1), heading - start.at.theta));
   add(0.0, straight);
   if (last != 0.0) add(last, std::abs(r_2) * turned_to(std::copysign(1.0, r_2), end.theta - heading));
@@ -222,8 +235,7 @@ bool Merge::lay(const Course& course, const ReferencePoint& to, double wait, Rou
 
 /// Whether the shield would leave it alone between the samples k - 1 and k of the traffic: what is left over what is to
 /// be kept shrinks no faster than it allows, and where there is nothing left, the distance does not shrink.
-bool Merge::clear(std::size_t k, const Pose& before, const Pose& here) const noexcept {
-  const double shrinks = std::exp(-0.95 * query_.gamma * Traffic::step);
+bool Merge::clear(std::size_t k, const Route::Position& before, const Route::Position& here) const noexcept {
   for (std::size_t j = 0; j < traffic_->robots(); ++j) {
     if (j == query_.robot || !traffic_->present(j)) continue;
     const double closer = query_.smaller.empty() ? 0.0 : query_.smaller[query_.robot] + query_.smaller[j];
@@ -232,30 +244,33 @@ bool Merge::clear(std::size_t k, const Pose& before, const Pose& here) const noe
     if (squared > near * near) continue;
     const double left = std::sqrt(squared) - keep;
     const double was = std::hypot(traffic_->x(j, k - 1) - before.x, traffic_->y(j, k - 1) - before.y) - keep;
-    if (left < (was > 0.0 ? shrinks * was : was) - merge_rounding) return false;
+    if (left < (was > 0.0 ? shrinks_ * was : was) - merge_rounding) return false;
   }
   return true;
 }
 
 bool Merge::clear(const Route& route, double joins, double until) noexcept {
   const auto last = std::min(Traffic::steps - 1, static_cast<std::size_t>(until / Traffic::step + 1e-9));
-  const auto pose = [&](std::size_t k) {
+  const auto position = [&](std::size_t k, std::size_t& segment) {
     const double t = Traffic::step * static_cast<double>(k);
-    return t < joins ? route.at(t).pose : place(t).pose;
+    return t < joins ? route.position(t, segment) : place_at_sample(k);
   };
-  const auto clear_at = [&](std::size_t k, const Pose& before, const Pose& here) {
+  const auto clear_at = [&](std::size_t k, const Route::Position& before, const Route::Position& here) {
     const double t = Traffic::step * static_cast<double>(k);
     if (query_.crowded && t >= query_.grace && !clear(k, before, here)) return false;
     return !query_.obstacles || t >= joins || lattice_->free({before.x, before.y}, {here.x, here.y});
   };
   // Most ways that are blocked are blocked for a while: looked at here and there, few of their samples tell.
+  std::size_t segment = 0;
   for (std::size_t k = coarse; k <= last; k += coarse) {
     samples_ += 2;
-    if (!clear_at(k, pose(k - 1), pose(k))) return false;
+    const Route::Position before = position(k - 1, segment);
+    if (!clear_at(k, before, position(k, segment))) return false;
   }
-  Pose before = query_.from;
+  segment = 0;
+  Route::Position before{query_.from.x, query_.from.y};
   for (std::size_t k = 1; k <= last; ++k) {
-    const Pose here = pose(k);
+    const Route::Position here = position(k, segment);
     ++samples_;
     if (!clear_at(k, before, here)) return false;
     before = here;
@@ -268,9 +283,10 @@ double Merge::stands_until() noexcept {
   if (!query_.crowded) return never;
   const auto first = static_cast<std::size_t>(std::max(stops_ / Traffic::step + 1.0, query_.grace / Traffic::step));
   constexpr auto last = static_cast<std::size_t>(look_ahead / Traffic::step);
+  const Route::Position here{stop_.x, stop_.y};
   for (std::size_t k = first + 1; k <= last; ++k) {
     ++samples_;
-    if (!clear(k, stop_, stop_)) return Traffic::step * static_cast<double>(k);
+    if (!clear(k, here, here)) return Traffic::step * static_cast<double>(k);
   }
   return never;
 }
@@ -280,7 +296,7 @@ bool Merge::try_at(const Trial& trial, Way& best, Route& route) noexcept {
   const Start& start = starts_[trial.start];
   const ReferencePoint to = place(trial.joins);
   Course course;
-  if (!plan(start, trial.kind, to, course)) return false;
+  if (!plan(start, trial.kind, to, trial.joins, course)) return false;
   double left = trial.joins - duration(course, to);
   if (!(left >= -1e-6)) return false;
   const double turns = query_.pace.turn_time(start.turn) + query_.pace.turn_time(course.turn);
@@ -321,14 +337,14 @@ bool Merge::search(std::size_t first, std::size_t last, bool few, std::size_t mo
       for (std::size_t kind = turns_at_its_end(starts_[s]) ? 0 : bends; kind < kinds; ++kind) {
         const std::size_t both = s * kinds + kind;
         if (t < next_[both] || t < starts_[s].takes || (few && (kind / bends > 2 || kind % bends > 2))) continue;
-        if (!plan(starts_[s], kind, to, course) || duration(course, to) > t) continue;
+        if (!plan(starts_[s], kind, to, t, course) || duration(course, to) > t) continue;
         double joins = t;
         if (tries_[both] == 0) {  // since when?
           double low = t - time_step;
           for (int k = 0; k < 8; ++k) {
             const double middle = 0.5 * (low + joins);
             const ReferencePoint there = place(middle);
-            (plan(starts_[s], kind, there, course) && duration(course, there) <= middle ? joins : low) = middle;
+            (plan(starts_[s], kind, there, middle, course) && duration(course, there) <= middle ? joins : low) = middle;
           }
         }
         next_[both] = tries_[both] < later.size() ? t + later[tries_[both]] : never;
@@ -387,7 +403,7 @@ bool Merge::come_to(const Start& from, const Pose& to, double before, Start& sta
   Course course, soonest;
   double least = before;
   for (std::size_t kind = 0; kind < kinds; ++kind) {
-    if (kind % bends == 0 || !plan(from, kind, {to, {query_.pace.v, 0.0}}, course)) continue;
+    if (kind % bends == 0 || !plan(from, kind, {to, {query_.pace.v, 0.0}}, least, course)) continue;
     if (const double takes = duration(course, {to, {query_.pace.v, 0.0}}); takes < least)
       least = takes, soonest = course;
   }
@@ -514,6 +530,8 @@ Merge::Way Merge::find(const Query& query, const Reference& reference, const Lat
   lattice_ = &lattice;
   traffic_ = &traffic;
   courses_ = samples_ = 0;
+  shrinks_ = std::exp(-0.95 * query.gamma * Traffic::step);
+  knows_place_.fill(0);
   const double slow = slow_arc * query.pace.v;
   const double tight = std::max(0.0, query.pace.omega / slow - query.k_y);
   const double wide = std::max(0.0, query.pace.omega / query.pace.v - query.k_y);

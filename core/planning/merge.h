@@ -111,14 +111,15 @@ class Merge {
   void find_ways_into_obstacles() noexcept;
   /// On the spot; only from rest.
   static bool turns_at_its_end(const Start& start) noexcept { return start.count == 0 || start.rests; }
-  bool plan(const Start& start, std::size_t kind, const ReferencePoint& place, Course& course) noexcept;
+  bool plan(const Start& start, std::size_t kind, const ReferencePoint& place, double latest, Course& course) noexcept;
   double duration(const Course& course, const ReferencePoint& place) const noexcept;
   bool speeds(const Course& course, double v_1, Speeds& u) const noexcept;
   bool lay(const Course& course, const ReferencePoint& place, double wait, Route& route) const noexcept;
   bool clear(const Route& route, double joins, double until) noexcept;
   bool begins_clear(const Start& start) noexcept;
   bool come_beside(const Start& from, double back, double aside, double after, Start& start) noexcept;
-  bool clear(std::size_t k, const Pose& before, const Pose& here) const noexcept;
+  bool clear(std::size_t k, const Route::Position& before, const Route::Position& here) const noexcept;
+  Route::Position place_at_sample(std::size_t k) noexcept;
   bool search(std::size_t first, std::size_t last, bool few, std::size_t most, Way& best, Route& route) noexcept;
   bool try_at(const Trial& trial, Way& best, Route& route) noexcept;
   void go_aside() noexcept;
@@ -137,7 +138,10 @@ class Merge {
   const Lattice* lattice_ = nullptr;
   const Traffic* traffic_ = nullptr;
   Pose stop_;
-  double stops_ = 0.0, stands_until_ = never;  // [s]
+  double stops_ = 0.0, stands_until_ = never;          // [s]
+  double shrinks_ = 1.0;                               // what is left over what is to be kept, in a step of the traffic
+  std::array<Route::Position, Traffic::steps> place_;  // at the traffic's samples
+  std::array<std::uint8_t, Traffic::steps> knows_place_{};
   std::array<double, bends> curvatures_{};
   std::array<Start, most_starts> starts_;
   std::size_t start_count_ = 0;

@@ -200,7 +200,9 @@ bool Planner::must_wait(std::size_t i, double ahead) noexcept {
   const double fastest = 2.0 * std::max(fastest_pace_, 0.1);  // no route is so fast [m/s]
   robot.waits_for = n;
   const double at = robot.clock + ahead, planned = robot.due + at;
-  const Pose there = robot.route.at(at).pose, here = on_route_[i];
+  const Route::Position there = robot.route.position(at);
+  const Pose here = on_route_[i];
+  const auto from_there = [&](const Route::Position& p) { return std::hypot(p.x - there.x, p.y - there.y); };
   constexpr double less = 0.004, step = 0.1;
   constexpr double nearing = 0.005;  // of two that are nearer already, at most [m/s]
   for (std::size_t j = 0; j < n; ++j) {
@@ -219,11 +221,11 @@ bool Planner::must_wait(std::size_t i, double ahead) noexcept {
     if (const double x = now.x - there.x, y = now.y - there.y; x * x + y * y > reach * reach) continue;
     // Between the lattice's points routes come a few millimetres nearer to each other. Of two clocks that waited for
     // more than the routes keep, each would wait for the other.
-    const double planned_apart = distance(other.route.at(until).pose, there);
+    const double planned_apart = from_there(other.route.position(until));
     const double keep = std::min(
         {most, distance(now, here) - nearing * ahead, std::max(planned_apart, least_apart() - closer(i, j)) - 1e-6});
     for (double t = runs_to; t < until + step;) {
-      const double apart = distance(other.route.at(std::min(t, until)).pose, there);
+      const double apart = from_there(other.route.position(std::min(t, until)));
       if (apart < keep) {
         robot.waits_for = j;
         return true;

@@ -137,7 +137,6 @@ class Planner {
 
   struct Robot {
     State state = State::nominal;
-    Route route;
     double clock = 0.0, rate = 0.0;  // [s], its share of real time
     double due = 0.0;                // time of the experiment at which its clock was 0, without delays [s]
     double share = 1.0;
@@ -149,13 +148,14 @@ class Planner {
     Merging::Trial looks;   // the behaviour of the others that this search assumes
     double keeps = 0.0;     // distance from others' routes used in planning [m]
     ReferencePoint reference;
-    Sidestep aside;  // while it passes an obstacle
-    Pose before;     // its pose at the previous step
+    Pose before;  // its pose at the previous step
     std::size_t waits_for = 0, taken_by = 0;
     bool no_way = false, needs_plan = false;
     bool makes_room = false;  // its place is taken: it drives to where it blocks no other robot
     bool all_anew = false;    // and all robots with it
     bool stood = false;       // it was out, or stuck
+    Route route;
+    Sidestep aside;  // while it passes an obstacle
   };
 
   void let_formation_wait(const Scene& scene, const Gains& gains) noexcept;

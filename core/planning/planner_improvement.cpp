@@ -128,8 +128,10 @@ bool Planner::gets_in_the_way(std::size_t i, std::size_t j, const Scene& scene) 
   const double least = least_apart() - closer(i, j);
   double keep = std::max(std::min(keep_ - closer(i, j), at_end - 1e-3), least);
   const double end = std::max(mine.duration(), theirs.duration() - clock);
+  std::size_t on_mine = 0, on_theirs = 0;
   for (double t = g.from[i]; t < end + Traffic::step;) {
-    const double apart = distance(mine.at(t).pose, theirs.at(clock + t).pose);
+    const Route::Position p = mine.position(t, on_mine), q = theirs.position(clock + t, on_theirs);
+    const double apart = std::hypot(p.x - q.x, p.y - q.y);
     if (t == g.from[i]) keep = std::min(keep, apart - 1e-3);
     if (apart < keep) return true;
     t += Traffic::step * std::max(1.0, std::floor((apart - keep) / (fastest * Traffic::step)));

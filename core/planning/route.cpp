@@ -109,7 +109,10 @@ bool Route::wait(double seconds) noexcept {
 }
 
 void Route::add(const Segment& segment) noexcept {
-  segments_[size_++] = segment;
+  Segment& added = segments_[size_++] = segment;
+  if (added.kind == Segment::Kind::turn || added.curvature != 0.0) return;
+  added.cos = std::cos(added.from.pose.theta);
+  added.sin = std::sin(added.from.pose.theta);
 }
 
 bool Route::append(std::span<const Leg> legs, double heading, const Pace& pace) noexcept {
@@ -152,6 +155,12 @@ bool Route::append(std::span<const Leg> legs, double heading, const Pace& pace) 
   return true;
 }
 
+/// How far a roll has come: its speed changes evenly, so that the mean of both ends' makes the whole way. [m]
+double Route::rolled(const Segment& segment, double t) noexcept {
+  const double share = segment.duration > 0.0 ? t / segment.duration : 1.0;
+  return segment.v * segment.duration * share + (segment.amount - segment.v * segment.duration) * share * share;
+}
+
 Route::State Route::at(const Segment& segment, double t) noexcept {
   State state = segment.from;
   switch (segment.kind) {
@@ -164,15 +173,17 @@ Route::State Route::at(const Segment& segment, double t) noexcept {
     case Segment::Kind::drive: {
       const double way = segment.travel.at(t).s;
       state.driven += way;
-      state.pose.x += way * std::cos(state.pose.theta);
-      state.pose.y += way * std::sin(state.pose.theta);
+      state.pose.x += way * segment.cos;
+      state.pose.y += way * segment.sin;
       return state;
     }
-    case Segment::Kind::roll: {  // speed changes evenly: the mean of both ends' makes the whole way
-      const double share = segment.duration > 0.0 ? t / segment.duration : 1.0;
-      const double way =
-          segment.v * segment.duration * share + (segment.amount - segment.v * segment.duration) * share * share;
+    case Segment::Kind::roll: {
+      const double way = rolled(segment, t);
       state.driven += way;
+      if (segment.curvature == 0.0) {
+        state.pose = {state.pose.x + way * segment.cos, state.pose.y + way * segment.sin, wrap_angle(state.pose.theta)};
+        return state;
+      }
       state.turned += segment.curvature * way;
       state.pose = advance(state.pose, {way, segment.curvature * way}, 1.0);
       return state;
@@ -181,15 +192,48 @@ Route::State Route::at(const Segment& segment, double t) noexcept {
   return state;
 }
 
-Route::State Route::at(double t) const noexcept {
-  if (size_ == 0) return {start_, 0.0, 0.0};
-  std::size_t low = 0, high = size_;  // the last segment that has begun
+Route::Position Route::position(const Segment& segment, double t) noexcept {
+  const Pose& from = segment.from.pose;
+  switch (segment.kind) {
+    case Segment::Kind::turn:
+      return {from.x, from.y};
+    case Segment::Kind::drive: {
+      const double way = segment.travel.at(t).s;
+      return {from.x + way * segment.cos, from.y + way * segment.sin};
+    }
+    case Segment::Kind::roll:
+      break;
+  }
+  const Pose pose = at(segment, t).pose;
+  return {pose.x, pose.y};
+}
+
+/// The last one that has begun.
+std::size_t Route::segment_at(double t) const noexcept {
+  std::size_t low = 0, high = size_;
   while (high - low > 1) {
     const std::size_t middle = (low + high) / 2;
     (segments_[middle].t <= t ? low : high) = middle;
   }
-  const Segment& segment = segments_[low];
+  return low;
+}
+
+Route::State Route::at(double t) const noexcept {
+  if (size_ == 0) return {start_, 0.0, 0.0};
+  const Segment& segment = segments_[segment_at(t)];
   return at(segment, std::clamp(t - segment.t, 0.0, segment.duration));
+}
+
+Route::Position Route::position(double t) const noexcept {
+  std::size_t segment = size_ == 0 ? 0 : segment_at(t);
+  return position(t, segment);
+}
+
+Route::Position Route::position(double t, std::size_t& segment) const noexcept {
+  if (size_ == 0) return {start_.x, start_.y};
+  while (segment + 1 < size_ && segments_[segment + 1].t <= t) ++segment;
+  const Segment& in = segments_[segment];
+  return position(in, std::clamp(t - in.t, 0.0, in.duration));
 }
 
 Twist Route::twist(double t, double dt) const noexcept {

@@ -62,6 +62,13 @@ class Route {
     double turned = 0.0;  ///< since the start, counter-clockwise [rad]
   };
   State at(double t) const noexcept;
+  /// The position alone. [m]
+  struct Position {
+    double x, y;
+  };
+  Position position(double t) const noexcept;
+  /// The same for times that never fall: `segment` is 0 at first, then the one in which the previous time was.
+  Position position(double t, std::size_t& segment) const noexcept;
   /// The constant twist that leads from the pose at t to the one dt later; exact unless a turn and a drive are in one
   /// step.
   Twist twist(double t, double dt) const noexcept;
@@ -74,13 +81,17 @@ class Route {
     Kind kind = Kind::turn;
     double t = 0.0, duration = 0.0;  // [s]
     State from;
-    double amount = 0.0;     // [rad], [m]
-    double curvature = 0.0;  // of a roll [1/m]
-    double v = 0.0;          // that a roll begins with [m/s]
+    double amount = 0.0;          // [rad], [m]
+    double curvature = 0.0;       // of a roll [1/m]
+    double v = 0.0;               // that a roll begins with [m/s]
+    double cos = 1.0, sin = 0.0;  // of the heading in which a straight one drives
     Travel travel{0.0, 1.0, 1.0};
   };
   void add(const Segment& segment) noexcept;
   static State at(const Segment& segment, double t) noexcept;
+  static Position position(const Segment& segment, double t) noexcept;
+  static double rolled(const Segment& segment, double t) noexcept;
+  std::size_t segment_at(double t) const noexcept;
 
   std::array<Segment, 2 * most_legs + 2> segments_;
   std::size_t size_ = 0;

@@ -27,6 +27,9 @@ RouteSearch::RouteSearch(const Lattice& lattice, std::size_t robots)
       best_((lattice.size() + 2) * headings * intervals_each),
       best_of_(best_.size()),
       is_exit_(lattice.size() + 2) {
+  others_.reserve(robots);
+  near_.reserve(robots);
+  boxes_.resize(robots * (Traffic::steps / block + 1));
   nodes_.reserve(most_nodes);
   open_.reserve(most_nodes);
   exits_.reserve(64);
@@ -61,6 +64,7 @@ void RouteSearch::begin(const Query& query, const Traffic& traffic) noexcept {
     radius_[j] =
         std::min(std::max(std::min(query.keep - closer, at_end - less), query.least - closer), at_start - less);
   }
+  enclose_others();
   if (query.away_from.empty() && direct()) {
     searching_ = false;
     found_ = true;
@@ -91,12 +95,13 @@ bool RouteSearch::direct() noexcept {
   const Lattice::Place to = place(goal());
   double arrival = 0.0;
   const std::array<Lattice::Place, 2> points{place(start()), to};
-  if (!lattice_->free(points[0], points[1]) || !retime(points, legs_, arrival)) return false;
   const double soonest =
       query_.begins +
       query_.pace.turn_time(wrap_angle(std::atan2(to.y - query_.from.y, to.x - query_.from.x) - query_.from.theta)) +
       query_.pace.drive_time(std::hypot(to.x - query_.from.x, to.y - query_.from.y)) + 1.0;
-  if (legs_[0].arrives_at > soonest) return false;
+  if (!lattice_->free(points[0], points[1]) ||
+      !retime(points, {query_.begins, query_.from.theta}, soonest, legs_, arrival))
+    return false;
   leg_count_ = 1;
   arrival_ = arrival;
   return true;
@@ -123,22 +128,29 @@ void RouteSearch::stamp() noexcept {
   for (std::size_t j = 0; j < radius_.size(); ++j) {
     if (radius_[j] <= 0.0) continue;
     const std::size_t still = traffic_->still_from(j);
-    const auto mark = [&](std::size_t v, std::size_t k) {
+    const auto mark = [&](std::size_t v, std::size_t first, std::size_t last) {
+      constexpr std::uint64_t all = ~std::uint64_t{0};
       std::uint64_t* const row = &taken_[v * words];
-      if (k < still) {
-        row[k / 64] |= std::uint64_t{1} << (k % 64);
+      if (last >= still) last = Traffic::steps - 1;
+      const std::uint64_t begin = all << (first % 64), end = all >> (63 - last % 64);
+      if (first / 64 == last / 64) {
+        row[first / 64] |= begin & end;
         return;
       }
-      row[k / 64] |= ~std::uint64_t{0} << (k % 64);
-      for (std::size_t w = k / 64 + 1; w < words; ++w) row[w] = ~std::uint64_t{0};
+      row[first / 64] |= begin;
+      for (std::size_t w = first / 64 + 1; w < last / 64; ++w) row[w] = all;
+      row[last / 64] |= end;
     };
     for (std::size_t k = 0; k <= still; ++k) {
       const double x = traffic_->x(j, k), y = traffic_->y(j, k), r = radius_[j];
-      lattice_->near(x, y, r, [&](std::size_t v) { mark(v, k); });
+      std::size_t last = k;  // it turns or waits there until then
+      while (last < still && traffic_->x(j, last + 1) == x && traffic_->y(j, last + 1) == y) ++last;
+      lattice_->near(x, y, r, [&](std::size_t v) { mark(v, k, last); });
       for (std::size_t e = 0; e < 2; ++e) {
         const double dx = ends[e].x - x, dy = ends[e].y - y;
-        if (dx * dx + dy * dy < r * r) mark(goal() + e, k);
+        if (dx * dx + dy * dy < r * r) mark(goal() + e, k, last);
       }
+      k = last;
     }
   }
 }
@@ -166,11 +178,10 @@ void RouteSearch::estimate() noexcept {
     std::pop_heap(open_.begin(), open_.end(), later);
     open_.pop_back();
     if (d > left_[v]) continue;
-    const Lattice::Place& here = lattice_->place(v);
     for (std::size_t k = 0; k < Lattice::directions; ++k) {
       const std::size_t u = lattice_->neighbour(v, k);
       if (u == lattice_->size()) continue;
-      const auto way = d + static_cast<float>(std::hypot(lattice_->place(u).x - here.x, lattice_->place(u).y - here.y));
+      const auto way = d + static_cast<float>(lattice_->edge(v, k).way);
       if (way >= left_[u]) continue;
       left_[u] = way;
       open_.emplace_back(way, static_cast<std::uint32_t>(u));
@@ -259,42 +270,65 @@ void RouteSearch::reach(std::uint32_t parent, std::size_t vertex, std::size_t he
   }
 }
 
+/// Whether a way to a vertex may be the soonest yet in one of its intervals, if it takes no longer than to drive.
+bool RouteSearch::may_be_sooner(const Node& node, std::size_t vertex, std::size_t heading, double drives) noexcept {
+  const double may_stay = intervals(node.state / intervals_each / headings)[node.state % intervals_each].end;
+  const auto all = intervals(vertex);
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const double arrives = std::max(static_cast<double>(node.g), static_cast<double>(all[k].begin)) + drives;
+    if (arrives > may_stay) return false;
+    const std::size_t state = state_of(vertex, heading, k);
+    if (arrives <= all[k].end && (best_of_[state] != search_ || best_[state] > arrives)) return true;
+  }
+  return false;
+}
+
 void RouteSearch::expand(std::uint32_t node) noexcept {
   const Node n = nodes_[node];
-  const std::size_t v = n.state / intervals_each / headings;
+  const std::size_t v = n.state / intervals_each / headings, came = n.state / intervals_each % headings;
   const Lattice::Place here = place(v);
+  const double start_time = query_.pace.start_time();
   double theta = query_.from.theta;
   const bool begins = n.parent == nobody;
   if (!begins) {
-    const Lattice::Place before = place(nodes_[n.parent].state / intervals_each / headings);
-    theta = std::atan2(here.y - before.y, here.x - before.x);
+    const std::size_t from = nodes_[n.parent].state / intervals_each / headings;
+    const Lattice::Place before = place(from);
+    theta = came < Lattice::directions ? lattice_->edge(from, came).heading
+                                       : std::atan2(here.y - before.y, here.x - before.x);
   }
-  const auto drive = [&](std::size_t to, std::size_t heading) {
-    const Lattice::Place there = place(to);
-    const double dx = there.x - here.x, dy = there.y - here.y, way = std::hypot(dx, dy);
-    const double turn = way > 1e-9 ? wrap_angle(std::atan2(dy, dx) - theta) : 0.0;
+  const auto drive = [&](std::size_t to, std::size_t heading, const Lattice::Edge& edge) {
+    const double turn = edge.way > 1e-9 ? wrap_angle(edge.heading - theta) : 0.0;
     const bool straight = !begins && std::abs(turn) < 0.02;
     const double ready = n.g + (straight ? 0.0 : query_.pace.turn_time(turn));
-    double duration = way / query_.pace.v + (straight ? 0.0 : query_.pace.start_time());
+    double duration = edge.way / query_.pace.v + (straight ? 0.0 : start_time);
     // Between two vertices that are far enough from another robot a line comes nearer to it. Of two that stand close
     // together each would wait for the other to leave first.
-    if (begins && !clear_line(here, there, ready, ready + duration)) return;
-    if (to == goal()) duration += query_.pace.start_time() * 0.5;
+    if (begins && !clear_line(here, place(to), ready, ready + duration)) return;
+    if (to == goal()) duration += start_time * 0.5;
     reach(node, to, heading, ready, duration);
+  };
+  const auto line_to = [&](const Lattice::Place& there) {
+    const double dx = there.x - here.x, dy = there.y - here.y;
+    return Lattice::Edge{std::hypot(dx, dy), std::atan2(dy, dx)};
   };
   if (begins) {
     lattice_->near(here.x, here.y, attach * lattice_->cell(), [&](std::size_t u) {
-      if (left_[u] < unreached && lattice_->free(here, lattice_->place(u))) drive(u, headings - 1);
+      if (left_[u] < unreached && lattice_->free(here, lattice_->place(u)))
+        drive(u, headings - 1, line_to(lattice_->place(u)));
     });
     if (!query_.away_from.empty()) return;
     const Lattice::Place to = place(goal());
     if (std::hypot(to.x - here.x, to.y - here.y) < attach * lattice_->cell() && lattice_->free(here, to))
-      drive(goal(), headings - 1);
+      drive(goal(), headings - 1, line_to(to));
     return;
   }
-  for (std::size_t d = 0; d < Lattice::directions; ++d)
-    if (const std::size_t u = lattice_->neighbour(v, d); u != lattice_->size() && left_[u] < unreached) drive(u, d);
-  if (is_exit_[v]) drive(goal(), 0);
+  for (std::size_t d = 0; d < Lattice::directions; ++d) {
+    const std::size_t u = lattice_->neighbour(v, d);
+    if (u == lattice_->size() || !(left_[u] < unreached)) continue;
+    const Lattice::Edge& edge = lattice_->edge(v, d);
+    if (may_be_sooner(n, u, d, edge.way / query_.pace.v)) drive(u, d, edge);
+  }
+  if (is_exit_[v]) drive(goal(), 0, line_to(place(goal())));
 }
 
 /// The way back along the parents, straight pieces as one leg.
@@ -329,14 +363,62 @@ void RouteSearch::finish(std::uint32_t node) noexcept {
   straighten();
 }
 
+/// Where the others are within, in each block of time: most lines stay clear of most of them, which few boxes tell.
+void RouteSearch::enclose_others() noexcept {
+  others_.clear();
+  still_from_ = 0;
+  for (std::size_t j = 0; j < radius_.size(); ++j)
+    if (radius_[j] > 0.0) {
+      others_.push_back(static_cast<std::uint32_t>(j));
+      still_from_ = std::max(still_from_, traffic_->still_from(j));
+    }
+  constexpr std::size_t last = Traffic::steps - 1;
+  still_from_ = std::min(still_from_, last);
+  blocks_ = (still_from_ + block - 1) / block + 1;
+  for (std::size_t m = 0; m < others_.size(); ++m) {
+    const std::size_t j = others_[m];
+    for (std::size_t b = 0; b < blocks_; ++b) {
+      const std::size_t first = std::min(b * block, last), end = std::min(first + block, traffic_->still_from(j));
+      Box& box = boxes_[b * others_.size() + m];
+      box = {traffic_->x(j, first), traffic_->x(j, first), traffic_->y(j, first), traffic_->y(j, first)};
+      for (std::size_t k = first + 1; k <= std::min(end, last); ++k) {
+        const double x = traffic_->x(j, k), y = traffic_->y(j, k);
+        box = {std::min(box.left, x), std::max(box.right, x), std::min(box.bottom, y), std::max(box.top, y)};
+      }
+    }
+  }
+}
+
+/// Who may come too near to a line that is driven between these times, at most a block of time later.
+void RouteSearch::find_near(const Lattice::Place& from, const Lattice::Place& to, double begins, double ends) noexcept {
+  constexpr double rounding = 1e-6;  // [m]
+  const auto block_at = [&](double t) {
+    const double k = std::clamp(t / Traffic::step, 0.0, static_cast<double>(Traffic::steps - 1));
+    return std::min(blocks_ - 1, static_cast<std::size_t>(k) / block);
+  };
+  const double left = std::min(from.x, to.x) - rounding, right = std::max(from.x, to.x) + rounding;
+  const double bottom = std::min(from.y, to.y) - rounding, top = std::max(from.y, to.y) + rounding;
+  near_.clear();
+  const std::size_t first = block_at(begins), last = block_at(ends);
+  for (std::size_t m = 0; m < others_.size(); ++m) {
+    const double r = radius_[others_[m]];
+    for (std::size_t b = first; b <= last; ++b) {
+      const Box& box = boxes_[b * others_.size() + m];
+      if (box.left > right + r || box.right < left - r || box.bottom > top + r || box.top < bottom - r) continue;
+      near_.push_back(others_[m]);
+      break;
+    }
+  }
+}
+
+/// Whether a robot at (x, y) at time t of the traffic keeps its distance from those that are near.
 bool RouteSearch::clear(double x, double y, double t) const noexcept {
   const double at = std::clamp(t / Traffic::step, 0.0, static_cast<double>(Traffic::steps - 1));
   const auto k = static_cast<std::size_t>(at);
   const std::size_t next = std::min(k + 1, Traffic::steps - 1);
   const double share = at - static_cast<double>(k);
-  for (std::size_t j = 0; j < radius_.size(); ++j) {
+  for (const std::uint32_t j : near_) {
     const double r = radius_[j];
-    if (r <= 0.0) continue;
     const double o_x = traffic_->x(j, k), dx = o_x + share * (traffic_->x(j, next) - o_x) - x;
     if (std::abs(dx) >= r) continue;
     const double o_y = traffic_->y(j, k), dy = o_y + share * (traffic_->y(j, next) - o_y) - y;
@@ -346,81 +428,104 @@ bool RouteSearch::clear(double x, double y, double t) const noexcept {
 }
 
 bool RouteSearch::clear_line(const Lattice::Place& from, const Lattice::Place& to, double leaves,
-                             double arrives) const noexcept {
+                             double arrives) noexcept {
   const double duration = arrives - leaves;
   const auto samples = static_cast<int>(std::ceil(duration / Traffic::step)) + 1;
-  for (int k = 0; k <= samples; ++k) {
+  struct Sample {
+    Lattice::Place at;
+    double t;
+  };
+  const auto sample = [&](int k) {
     const double share = static_cast<double>(k) / samples;
-    if (!clear(from.x + share * (to.x - from.x), from.y + share * (to.y - from.y), leaves + share * duration))
-      return false;
+    return Sample{{from.x + share * (to.x - from.x), from.y + share * (to.y - from.y)}, leaves + share * duration};
+  };
+  for (int first = 0; first <= samples; first += static_cast<int>(block)) {
+    const int last = std::min(first + static_cast<int>(block) - 1, samples);
+    const Sample begin = sample(first), end = sample(last);
+    find_near(begin.at, end.at, begin.t, end.t);
+    for (int k = first; k <= last && !near_.empty(); ++k)
+      if (const Sample here = sample(k); !clear(here.at.x, here.at.y, here.t)) return false;
   }
   return true;
 }
 
-/// The soonest times of legs through these points, one leg after the other.
-bool RouteSearch::retime(std::span<const Lattice::Place> points, std::span<Leg> legs, double& arrival) const noexcept {
-  double t = query_.begins, theta = query_.from.theta;
-  for (std::size_t k = 0; k + 1 < points.size(); ++k) {
-    const Lattice::Place &from = points[k], &to = points[k + 1];
-    const double way = std::hypot(to.x - from.x, to.y - from.y);
-    const double heading = way > 1e-6 ? std::atan2(to.y - from.y, to.x - from.x) : theta;
-    const double turned = t + query_.pace.turn_time(wrap_angle(heading - theta));
-    const double takes = query_.pace.drive_time(way);
-    const bool last = k + 2 == points.size();
-    double stood = t;
-    bool done = false;
-    for (int wait = 0; wait < most_waits && !done; ++wait) {
-      const double leaves = turned + wait * wait_step;
-      if (!clear_line(from, from, stood, leaves)) return false;
-      stood = leaves;
-      if (!clear_line(from, to, leaves, leaves + takes)) continue;
-      if (last) {
-        bool stays = true;
-        for (double s = leaves + takes; stays && s < Traffic::step * Traffic::steps; s += Traffic::step)
-          stays = clear(to.x, to.y, s);
-        if (!stays) continue;
-      }
-      legs[k] = {to.x, to.y, leaves, leaves + takes};
-      t = leaves + takes;
-      done = true;
-    }
-    if (!done) return false;
-    theta = heading;
+/// Whether a robot that stands from then on keeps its distance from all others.
+bool RouteSearch::stays_clear(const Lattice::Place& at, double t) noexcept {
+  while (t < Traffic::step * Traffic::steps) {
+    const bool all_stand = t >= Traffic::step * static_cast<double>(still_from_ + 1);
+    find_near(at, at, t, t + Traffic::step * block);
+    for (std::size_t k = 0; k < block && t < Traffic::step * Traffic::steps; ++k, t += Traffic::step)
+      if (!clear(at.x, at.y, t)) return false;
+    if (all_stand) break;
   }
-  arrival = t + query_.pace.turn_time(wrap_angle(query_.to.theta - theta));
+  return true;
+}
+
+/// The soonest leg from a point to the next. False: there is none, or it arrives after `latest`.
+bool RouteSearch::append(const Lattice::Place& from, const Lattice::Place& to, bool last, double latest, Moment& at,
+                         Leg& leg) noexcept {
+  const double way = std::hypot(to.x - from.x, to.y - from.y);
+  const double heading = way > 1e-6 ? std::atan2(to.y - from.y, to.x - from.x) : at.theta;
+  const double turned = at.t + query_.pace.turn_time(wrap_angle(heading - at.theta));
+  const double takes = query_.pace.drive_time(way);
+  double stood = at.t;
+  for (int wait = 0; wait < most_waits; ++wait) {
+    const double leaves = turned + wait * wait_step;
+    if (leaves + takes > latest || !clear_line(from, from, stood, leaves)) return false;
+    stood = leaves;
+    if (!clear_line(from, to, leaves, leaves + takes) || (last && !stays_clear(to, leaves + takes))) continue;
+    leg = {to.x, to.y, leaves, leaves + takes};
+    at = {leaves + takes, heading};
+    return true;
+  }
+  return false;
+}
+
+/// The soonest times of legs through these points, one leg after the other. False where there are none, or none that
+/// arrive until `latest`.
+bool RouteSearch::retime(std::span<const Lattice::Place> points, Moment at, double latest, std::span<Leg> legs,
+                         double& arrival) noexcept {
+  for (std::size_t k = 0; k + 1 < points.size(); ++k)
+    if (!append(points[k], points[k + 1], k + 2 == points.size(), latest, at, legs[k])) return false;
+  arrival = at.t + query_.pace.turn_time(wrap_angle(query_.to.theta - at.theta));
   return true;
 }
 
 /// Leaves out corners as long as that brings the robot there sooner.
 void RouteSearch::straighten() noexcept {
   constexpr int most_trials = 60;
-  std::array<Lattice::Place, Route::most_legs + 1> points{}, fewer{};
+  std::array<Lattice::Place, Route::most_legs + 1> points{}, rest{};
   std::array<Leg, Route::most_legs> legs{};
   std::size_t count = 1;
   points[0] = place(start());
   for (std::size_t k = 0; k < leg_count_; ++k) points[count++] = {legs_[k].x, legs_[k].y};
+  Moment at{query_.begins, query_.from.theta};  // at corner i
   double arrival = 0.0;
-  if (retime({points.data(), count}, legs, arrival) && arrival < arrival_) {
+  if (retime({points.data(), count}, at, arrival_, legs, arrival) && arrival < arrival_) {
     for (std::size_t k = 0; k + 1 < count; ++k) legs_[k] = legs[k];
     arrival_ = arrival;
   }
   int trials = 0;
-  for (std::size_t i = 0; i + 2 < count; ++i)
+  for (std::size_t i = 0; i + 2 < count; ++i) {
     for (std::size_t j = count - 1; j > i + 1 && trials < most_trials; --j) {
-      if (j >= count) break;
       if (!lattice_->free(points[i], points[j])) continue;
       ++trials;
       std::size_t left = 0;
-      for (std::size_t k = 0; k < count; ++k)
-        if (k <= i || k >= j) fewer[left++] = points[k];
-      if (!retime({fewer.data(), left}, legs, arrival) || arrival >= arrival_ - 1e-9) continue;
+      rest[left++] = points[i];
+      for (std::size_t k = j; k < count; ++k) rest[left++] = points[k];
+      if (!retime({rest.data(), left}, at, arrival_, {legs.data() + i, left - 1}, arrival) ||
+          arrival >= arrival_ - 1e-9)
+        continue;
       arrival_ = arrival;
-      count = left;
+      count = i + left;
       leg_count_ = count - 1;
-      points = fewer;
+      std::copy_n(rest.begin(), left, points.begin() + static_cast<std::ptrdiff_t>(i));
       legs_ = legs;
       break;
     }
+    // What comes before a corner is the same in all that follows.
+    if (i + 2 < count && !append(points[i], points[i + 1], false, arrival_, at, legs[i])) return;
+  }
 }
 
 }  // namespace skein::core

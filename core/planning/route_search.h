@@ -48,9 +48,6 @@ class RouteSearch {
   std::span<const Leg> legs() const noexcept { return {legs_.data(), leg_count_}; }
   double arrival() const noexcept { return arrival_; }
 
-  /// Whether a robot at (x, y) at time t of the traffic keeps its distance from all others.
-  bool clear(double x, double y, double t) const noexcept;
-
  private:
   struct Interval {
     float begin, end;  // [s]
@@ -72,10 +69,22 @@ class RouteSearch {
   void expand(std::uint32_t node) noexcept;
   void reach(std::uint32_t parent, std::size_t vertex, std::size_t heading, double ready, double duration) noexcept;
   void finish(std::uint32_t node) noexcept;
+  bool may_be_sooner(const Node& node, std::size_t vertex, std::size_t heading, double drives) noexcept;
   bool direct() noexcept;
-  bool retime(std::span<const Lattice::Place> points, std::span<Leg> legs, double& arrival) const noexcept;
-  bool clear_line(const Lattice::Place& from, const Lattice::Place& to, double leaves, double arrives) const noexcept;
+  /// When and in which direction a robot has come to a point. [s, rad]
+  struct Moment {
+    double t, theta;
+  };
+  bool append(const Lattice::Place& from, const Lattice::Place& to, bool last, double latest, Moment& at,
+              Leg& leg) noexcept;
+  bool retime(std::span<const Lattice::Place> points, Moment at, double latest, std::span<Leg> legs,
+              double& arrival) noexcept;
   void straighten() noexcept;
+  void enclose_others() noexcept;
+  void find_near(const Lattice::Place& from, const Lattice::Place& to, double begins, double ends) noexcept;
+  bool clear(double x, double y, double t) const noexcept;
+  bool clear_line(const Lattice::Place& from, const Lattice::Place& to, double leaves, double arrives) noexcept;
+  bool stays_clear(const Lattice::Place& at, double t) noexcept;
 
   Lattice::Place place(std::size_t vertex) const noexcept;
   std::size_t goal() const noexcept { return lattice_->size(); }
@@ -88,7 +97,16 @@ class RouteSearch {
   const Traffic* traffic_ = nullptr;
   Query query_;
   bool searching_ = false, found_ = false;
-  std::vector<double> radius_;                // to keep from each robot [m]
+  std::vector<double> radius_;  // to keep from each robot [m]
+  /// What a robot does not leave for a while.
+  struct Box {
+    double left, right, bottom, top;
+  };
+  static constexpr std::size_t block = 16;    // of the traffic's steps, for which there is a box
+  std::vector<std::uint32_t> others_;         // who is to be kept from
+  std::vector<Box> boxes_;                    // of each of these, block after block; the last one is for ever
+  std::size_t blocks_ = 0, still_from_ = 0;   // from this step on all of them stand
+  std::vector<std::uint32_t> near_;           // those of them that a part of a line may come near to
   std::vector<std::uint64_t> taken_;          // a bit for each step of each vertex
   std::vector<Interval> intervals_;           // of each vertex
   std::vector<std::uint8_t> interval_count_;  // 255: not looked for yet

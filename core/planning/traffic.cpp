@@ -27,12 +27,12 @@ void Traffic::leaves(std::size_t j, double seconds) noexcept {
 void Traffic::drives(std::size_t j, const Route& route, double clock) noexcept {
   present_[j] = true;
   const double end = route.duration();
-  std::size_t k = 0;
+  std::size_t k = 0, segment = 0;
   for (; k < steps; ++k) {
     const double t = clock + step * static_cast<double>(k);
-    const Pose pose = route.at(t).pose;
-    x_[j * steps + k] = pose.x;
-    y_[j * steps + k] = pose.y;
+    const Route::Position here = route.position(t, segment);
+    x_[j * steps + k] = here.x;
+    y_[j * steps + k] = here.y;
     if (t >= end) break;
   }
   k = std::min(k, steps - 1);
@@ -46,12 +46,13 @@ void Traffic::drives(std::size_t j, const Route& route, double clock) noexcept {
 void Traffic::joins(std::size_t j, const Route& route, double clock, double joins,
                     const Timetable& timetable) noexcept {
   follows(j, timetable);
+  std::size_t segment = 0;
   for (std::size_t k = 0; k < steps; ++k) {
     const double at = clock + step * static_cast<double>(k);
     if (at >= joins) break;
-    const Pose pose = route.at(at).pose;
-    x_[j * steps + k] = pose.x;
-    y_[j * steps + k] = pose.y;
+    const Route::Position here = route.position(at, segment);
+    x_[j * steps + k] = here.x;
+    y_[j * steps + k] = here.y;
     still_from_[j] = std::max(still_from_[j], k + 1);
   }
 }
