@@ -520,6 +520,7 @@ void TickState::follow_field() noexcept {
 void TickState::follow_plan() noexcept {
   for (std::size_t i = 0; i < robots(); ++i) out[i] = is_out(i);
   const auto release = [&](core::PairTable& table) {
+    if (table.uniform() && robots() > 1 && table(0, 1) == 0.0) return;  // there is nothing to release
     for (std::size_t i = 0; i < robots(); ++i)
       for (std::size_t j = i + 1; j < robots(); ++j)
         if (const double share = planner->share(i) * planner->share(j); share < 1.0 && table(i, j) > 0.0)

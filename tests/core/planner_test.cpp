@@ -310,6 +310,21 @@ TEST(Lattice, SeesTheWayRoundTheBendsOfANarrowCorridorWhereverItIs) {
   }
 }
 
+TEST(Route, ItsPositionsAreThoseOfItsPosesToTheBit) {
+  const core::Pace pace;
+  Route route;
+  route.brake({0.1, -0.2, 2.5}, 0.07, pace);
+  const Leg legs[] = {{0.4, 0.3, 1.0, 5.0}, {-0.3, 0.2, 12.0, 25.0}};
+  ASSERT_TRUE(route.append(legs, -1.0, pace) && route.roll(0.1, 7.0, 0.0, 0.05) && route.roll(0.1, 0.0, 0.05, 0.05) &&
+              route.wait(0.5));
+  std::size_t segment = 0;
+  for (double t = -0.5; t < route.duration() + 0.5; t += 0.013) {
+    const Pose pose = route.at(t).pose;
+    const Route::Position alone = route.position(t), walked = route.position(t, segment);
+    ASSERT_TRUE(alone.x == pose.x && alone.y == pose.y && walked.x == pose.x && walked.y == pose.y) << t;
+  }
+}
+
 TEST(RouteSearch, SaysWhereThereIsNoWay) {
   Scene scene;
   wall(scene, 0.0, -0.75, 0.0, 0.75);
