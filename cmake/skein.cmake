@@ -78,7 +78,7 @@ function(skein_precompiled_options target)
     "$<$<CXX_COMPILER_ID:Clang>:SHELL:-Xclang -fno-pch-timestamp>")
 endfunction()
 
-# How far what neither the tick nor the tracker waits for is optimised: g what writes text or shows it, 1 the rest. At -O3 it would
+# How far what neither the tick nor the tracker waits for is optimised: g what writes text, 1 the rest. At -O3 it would
 # take twice as long to compile.
 # Sanitizers and Debug have a level of their own for everything. GCC takes the level of precompiled headers for all that follows
 # them, so that each level has its own.
