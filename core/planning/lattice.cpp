@@ -95,8 +95,8 @@ void Lattice::measure_edges() noexcept {
 }
 
 Lattice::Place Lattice::centre(std::size_t vertex) const noexcept {
-  return {left_ + cell_ * (static_cast<double>(vertex % columns_) + 0.5),
-          bottom_ + cell_ * (static_cast<double>(vertex / columns_) + 0.5)};
+  const std::size_t column = vertex % columns_, row = vertex / columns_;
+  return {left_ + cell_ * (static_cast<double>(column) + 0.5), bottom_ + cell_ * (static_cast<double>(row) + 0.5)};
 }
 
 void Lattice::know_close(const Place& place, double reach) noexcept {

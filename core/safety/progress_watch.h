@@ -31,8 +31,12 @@ class ProgressWatch {
     }
     if (std::isnan(away.along_a_route)) robot.route = {};
     const bool gets_on = robot.route.nears(away.along_a_route, progress_on_route);
-    const bool nears = robot.place.nears(away.from_place, progress) | robot.end.nears(away.from_end, progress);
-    const bool beats = robot.place.beats(away.from_place) | robot.end.beats(away.from_end);
+    // Each of them keeps account of its distance: none may be left out because another one says yes.
+    const bool nears_place = robot.place.nears(away.from_place, progress);
+    const bool nears_end = robot.end.nears(away.from_end, progress);
+    const bool beats_place = robot.place.beats(away.from_place);
+    const bool beats = robot.end.beats(away.from_end) || beats_place;
+    const bool nears = nears_place || nears_end;
     const bool falls_behind = robot.place.falls_behind(away.from_place);
     robot.waited = gets_on || nears ? 0.0 : robot.waited + dt;
     robot.unbeaten = gets_on || beats || falls_behind ? 0.0 : robot.unbeaten + dt;

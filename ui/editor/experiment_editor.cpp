@@ -216,7 +216,7 @@ void ExperimentEditor::take_verdict(std::chrono::milliseconds patience) {
   constexpr int asks_every_ms = 30;
   if (const auto verdict = checking_.take(patience)) return show_verdict(*verdict);
   open_->setEnabled(false);
-  tell(tr("Checking …"), Severity::note);
+  tell(tr("Checking …"), Severity::notice);
   asks_.start(asks_every_ms);
 }
 
@@ -244,9 +244,8 @@ void ExperimentEditor::show_verdict(const Verdict& told) {
 
 void ExperimentEditor::tell(const QString& verdict, Severity tone) {
   tone_ = tone;
-  const Colours c = colours(palette());
   verdict_->setText(QStringLiteral("<span style=\"color:%1\">%2</span>")
-                        .arg((tone == Severity::note ? c.text : colour(tone, c)).name(), verdict.toHtmlEscaped()));
+                        .arg(colour(tone, colours(palette())).name(), verdict.toHtmlEscaped()));
   told_ = verdict;
 }
 
@@ -258,7 +257,7 @@ void ExperimentEditor::changeEvent(QEvent* event) {
 void ExperimentEditor::set_value(const QString& key, const QString& value) {
   const auto changed = app::with_toml_value(text().toStdString(), key.toStdString(), value.toStdString());
   if (!changed) {
-    tell(QString::fromStdString(changed.error()), Severity::note);
+    tell(QString::fromStdString(changed.error()), Severity::alarm);
     return;
   }
   replace_text(QString::fromStdString(*changed));
@@ -297,7 +296,7 @@ void ExperimentEditor::save_and(bool then_open) {
 void ExperimentEditor::write_and(bool then_open) {
   const QString problem = save(file_);
   if (!problem.isEmpty())
-    tell(problem, Severity::note);
+    tell(problem, Severity::alarm);
   else if (then_open && is_checking())
     opens_then_ = true;
   else if (then_open && is_valid())
