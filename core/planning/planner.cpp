@@ -25,6 +25,9 @@ constexpr double rate_slope = 2.0;          // of a clock [1/s]
 constexpr double unseen = 0.02;             // who is so little behind does not count [s]
 constexpr double error_free = 0.010;        // behind its route: clocks run on; at `error_stop` they stand [m]
 constexpr double error_stop = 0.025;        // [m]
+constexpr double between_walls = 0.02;      // no more room than this, beyond what must be [m]
+constexpr double turns_within = 0.0005;     // of where its route turns there; at twice as much its clock stands [m]
+constexpr double sets_off_within = 0.005;   // of the heading in which it drives on there [rad]
 constexpr double looks_every = 5;           // ticks
 constexpr double formation_slope = 0.25;    // of its clock, times the largest v_ref [m/s^2]
 constexpr double stuck_for = 4.0;           // a clock that has hardly run for this long: a new plan for all robots [s]
@@ -258,6 +261,19 @@ void Planner::run_clock(std::size_t i, const Scene& scene, double dt) noexcept {
   double wanted = std::clamp((error_stop - error) / (error_stop - error_free), 0.0, 1.0);
   wanted = std::min(wanted, may_run(i, scene));
   robot.rate += std::clamp(wanted - robot.rate, -rate_slope * dt, rate_slope * dt);
+  // Between walls it turns only where its route turns, and sets off only when it has turned. Before, it drove on beside
+  // its route, and the shield stopped it for good at the inside of a bend.
+  if (lattice(i).room(here.x, here.y) < between_walls) {
+    const Pose& pose = scene.poses[i];
+    const Twist last = robot.route.twist(robot.clock - dt, dt), next = robot.route.twist(robot.clock, dt);
+    const double ahead = std::cos(pose.theta) * (here.x - pose.x) + std::sin(pose.theta) * (here.y - pose.y);
+    const auto stop = [&](double off, double free) {
+      robot.rate = std::min(robot.rate, std::clamp(2.0 - std::abs(off) / free, 0.0, 1.0));
+    };
+    if (next.v == 0.0 && next.omega != 0.0) stop(ahead, turns_within + 2.0 * scene.doubt);
+    if (next.v != 0.0 && last.v == 0.0)
+      stop(wrap_angle(here.theta - pose.theta), sets_off_within + 2.0 * scene.doubt / standard_radius);
+  }
   robot.held_for = robot.rate < 0.3 ? robot.held_for + dt : 0.0;
   const State before = robot.state;
   const double step = robot.rate * dt;
