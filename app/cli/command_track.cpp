@@ -110,7 +110,7 @@ void print_counters(std::FILE* out, const vision::TrackTrackerSummary& summary) 
   fmt::print(out, "lost: {}\nrejected: {}\n", summary.lost, counters.rejected);
   part("misshapen", counters.misshapen, "not lying flat at [tags] height, or not of its size");
   part("unlike", counters.unlike, "not like that tag's image: covered, blurred, or none at all");
-  part("odd", counters.odd, "larger or smaller than the other tags");
+  part("odd", counters.odd, "larger than the other tags");
   part("lifted", counters.lifted, "nearer to the camera than before");
   fmt::print(out, "seen_twice: {}\ndecoded: {}\nfits: {}\nfailed_fits: {}\n", counters.ghosts, counters.decoded,
              counters.fits, counters.failed_fits);

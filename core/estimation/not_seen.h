@@ -17,6 +17,7 @@ enum class NotSeen : std::uint8_t {
   too_small,     ///< this camera gives tags of tag_size too few pixels to be decoded
   too_bright,    ///< much of the frame is as bright as the camera can show
   in_shadow,     ///< ink and paper differ by too few grey levels
+  blurred,       ///< nothing decodes as this tag, and the edges of the whole frame are blurred
   mirrored,      ///< the camera mirrors its frames
   other_family,  ///< a tag of another family has this id
 };
@@ -44,6 +45,8 @@ constexpr std::string_view word(NotSeen why) noexcept {
       return "too_bright";
     case NotSeen::in_shadow:
       return "in_shadow";
+    case NotSeen::blurred:
+      return "blurred";
     case NotSeen::mirrored:
       return "mirrored";
     case NotSeen::other_family:

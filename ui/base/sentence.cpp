@@ -50,6 +50,8 @@ QString reason_text(core::NotSeen why) {
       return tr("the picture is too bright");
     case core::NotSeen::in_shadow:
       return tr("its tag lies in shadow");
+    case core::NotSeen::blurred:
+      return tr("the picture is blurred");
     case core::NotSeen::mirrored:
       return tr("the camera mirrors the picture");
     case core::NotSeen::other_family:

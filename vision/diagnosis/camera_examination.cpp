@@ -10,6 +10,7 @@
 #include <map>
 
 #include "vision/diagnosis/diagnosis.h"
+#include "vision/diagnosis/edge_widths.h"
 #include "vision/diagnosis/light_limits.h"
 #include "vision/tags/detection.h"
 
@@ -33,9 +34,8 @@ constexpr double much_flicker = 0.10;
 constexpr double some_drift = 0.05;      // of the brightness
 constexpr double some_saturated = 0.05;  // of the pixels
 constexpr int dim_grey = 100;
-constexpr double some_noise = 8.0;  // [grey levels]
-constexpr double soft_edge = 3.2;   // [px]; a lens in focus gives 2 to 2.5
-constexpr double blurred_edge = 3.8;
+constexpr double some_noise = 8.0;      // [grey levels]
+constexpr double soft_edge = 3.2;       // [px]; a lens in focus gives 2 to 2.5
 constexpr double some_contrast = 40.0;  // [grey levels]
 constexpr double small_edge = 16.0;     // of a tag [px]
 constexpr double late = 0.1;            // [s]
@@ -72,40 +72,6 @@ double noise_between(const std::vector<std::uint8_t>& a, const std::vector<std::
     limit = std::max(3.5 * sigma, 1.0);
   }
   return sigma / std::sqrt(2.0);
-}
-
-/// Widths of the clear edges along the rows and columns of a part of a frame: from where a slope begins to where it
-/// ends, the difference through the steepest slope. What noise could make is left out.
-void edge_widths(const Frame& frame, const Window& part, double noise, std::vector<double>& widths) {
-  const double least_slope = std::max(8.0, 2.0 * noise), least_difference = std::max(30.0, 3.0 * noise);
-  const int left = std::max(0, part.left), top = std::max(0, part.top);
-  const int right = std::min(frame.width, part.left + part.width);
-  const int bottom = std::min(frame.height, part.top + part.height);
-  const auto along = [&](const std::uint8_t* from, std::ptrdiff_t step, std::ptrdiff_t aside, int count) {
-    const auto grey = [&](int i) {  // three neighbours along the edge have less noise
-      const std::uint8_t* at = from + i * step;
-      return (at[-aside] + at[0] + at[aside]) / 3.0;
-    };
-    const auto slope = [&](int i) { return 0.5 * (grey(i + 1) - grey(i - 1)); };
-    for (int i = 2; i + 2 < count; ++i) {
-      const double steepest = slope(i);
-      const double size = std::abs(steepest);
-      if (size < least_slope || size < std::abs(slope(i - 1)) || size <= std::abs(slope(i + 1))) continue;
-      const double across = 0.5 * (from[i * step + aside] - from[i * step - aside]);
-      if (std::abs(across) > size) continue;  // the other direction sees it better
-      int first = i, last = i;
-      const auto goes_on = [&](int k) { return slope(k) * steepest > 0.1 * steepest * steepest; };
-      while (first > 2 && goes_on(first - 1)) --first;
-      while (last + 3 < count && goes_on(last + 1)) ++last;
-      const double difference = std::abs(grey(last + 1) - grey(first - 1));
-      if (difference >= least_difference) widths.push_back(difference / std::hypot(size, across));
-      i = last;
-    }
-  };
-  for (int v = std::max(1, top); v < std::min(bottom, frame.height - 1); v += 2)
-    along(frame.row(v) + left, 1, frame.width, right - left);
-  for (int u = std::max(1, left); u < std::min(right, frame.width - 1); u += 2)
-    along(frame.row(top) + u, frame.width, 1, bottom - top);
 }
 
 double edge_of(const Corners& corners) {
@@ -286,9 +252,9 @@ CameraMeasurements CameraExamination::measure() const {
     for (const Detection& tag : found) {
       measured.contrast = std::fmin(measured.contrast, contrast_of(frame, tag.corners));
       measured.tag_edge = std::fmin(measured.tag_edge, edge_of(tag.corners));
-      edge_widths(frame, around(tag.corners), noise, widths_at_tags);
+      detail::edge_widths(frame, around(tag.corners), noise, widths_at_tags);
     }
-    edge_widths(frame, {0, 0, frame.width, frame.height}, noise, widths);
+    detail::edge_widths(frame, {0, 0, frame.width, frame.height}, noise, widths);
   }
   if (measured.tags == 0 && !samples_.empty()) measured.why_no_tag = why_no_tag(samples_.back());
   measured.edge_width = quantile(widths_at_tags.empty() ? widths : widths_at_tags, 0.5);
@@ -385,7 +351,7 @@ std::vector<CameraFinding> CameraExamination::judge(const CameraMeasurements& m)
     say(m.noise >= some_noise ? State::note : State::well, "noise", fmt::format("{:.1f} grey levels", m.noise),
         "less gain and more light");
   if (std::isfinite(m.edge_width))
-    say(graded(m.edge_width, soft_edge, blurred_edge), "sharpness",
+    say(graded(m.edge_width, soft_edge, detail::blurred_edge), "sharpness",
         fmt::format("an edge is {:.1f} px wide", m.edge_width), "turn the lens's focus, and fix it; clean the lens");
   else
     say(State::note, "sharpness", "no clear edge in the picture", "put a tag or a printed page under the camera");

@@ -17,6 +17,7 @@
 #include <memory>
 #include <string_view>
 
+#include "vision/diagnosis/edge_widths.h"
 #include "vision/diagnosis/light_limits.h"
 #include "vision/modules/media_loader.h"
 #include "vision/tags/detection.h"
@@ -25,6 +26,7 @@
 namespace skein::vision {
 namespace {
 
+using detail::blurred_edge;
 using detail::dark_grey;
 using detail::faint;
 using detail::least_contrast;
@@ -254,6 +256,24 @@ Light light_of(const Frame& frame) {
   return light;
 }
 
+/// How wide the edges of a blurred frame are [px]; none: they are sharp, or too few to tell.
+std::optional<double> blur_of(const Frame& frame) {
+  constexpr std::size_t enough = 40;
+  std::vector<double> widths;
+  detail::edge_widths(frame, {0, 0, frame.width, frame.height}, 0.0, widths);
+  if (widths.size() < enough) return {};
+  const auto middle = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2);
+  std::nth_element(widths.begin(), middle, widths.end());
+  return *middle >= blurred_edge ? std::optional(*middle) : std::nullopt;
+}
+
+std::string blur_sentence(double edge_width) {
+  return fmt::format(
+      "the picture is blurred (its edges are {:.1f} px wide, those of a sharp one 2 to 3): turn the lens's focus, or "
+      "shorten the exposure",
+      edge_width);
+}
+
 bool any_not_found(const std::vector<TagDiagnosis>& answers) {
   return std::any_of(answers.begin(), answers.end(),
                      [](const TagDiagnosis& answer) { return answer.why == NotSeen::not_found; });
@@ -333,6 +353,13 @@ std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibr
     else if (last && near_border(frame, calibration, *last))
       answer.why = NotSeen::at_border;
   }
+  if (any_not_found(answers))
+    if (const auto blur = blur_of(frame))
+      for (TagDiagnosis& answer : answers) {
+        if (answer.why != NotSeen::not_found) continue;
+        answer.why = NotSeen::blurred;
+        answer.edge_width = *blur;
+      }
   return answers;
 }
 
@@ -383,7 +410,10 @@ std::string why_no_tag(const Frame& frame) {
       ids.push_back(stranger.seen.tag);
       family = stranger.family;
     }
-  if (ids.empty()) return {};
+  if (ids.empty()) {
+    const auto blur = blur_of(frame);
+    return blur ? blur_sentence(*blur) : std::string();
+  }
   std::sort(ids.begin(), ids.end());
   return fmt::format("no tag is of the family 36h11, but {} look{} like {} ({}): print {} anew in 36h11", ids.size(),
                      ids.size() == 1 ? "s" : "", family, fmt::join(ids, ", "), ids.size() == 1 ? "it" : "them");
@@ -439,6 +469,8 @@ std::string sentence(const TagDiagnosis& d, const Calibration& calibration) {
                        "and {:.0f} are needed",
                        d.tag, d.contrast, least_contrast)
                  : fmt::format("tag {} is there, but the picture is dark: raise the exposure", d.tag);
+    case NotSeen::blurred:
+      return fmt::format("no tag {} is found, and {}", d.tag, blur_sentence(d.edge_width));
     case NotSeen::mirrored:
       return fmt::format("tag {} is there, but mirrored: switch the camera's mirror off", d.tag);
     case NotSeen::other_family:

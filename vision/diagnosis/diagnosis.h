@@ -31,6 +31,7 @@ struct TagDiagnosis {
   double size = 0.0;                      // its edge on the plane of the tags [m]; 0: it was not found
   double edge_px = 0.0;                   // its edge, or what it would have [px]
   double contrast = 0.0;                  // between its ink and its paper [grey levels]; 0: it was not found
+  double edge_width = 0.0;                // of blurred: of the frame's edges, from dark to bright [px]
   std::string family{};                   // of other_family: "25h9", "ArUco 4x4"
   std::vector<Window> crops{};            // the parts of the frame that show it, or where it was last seen
 };
@@ -45,7 +46,7 @@ Frame picture_of(const Frame& frame, const TagDiagnosis& diagnosis);
 
 /// Why no tag of 36h11 was found in a frame, and what to do: "tags 1, 2, 3, 4 are mirrored: switch the camera's mirror
 /// off", "no tag is of the family 36h11, but 4 look like 25h9 (1, 2, 3, 4): print them anew in 36h11", "... like ArUco
-/// 4x4 ..."; empty: there is none. As slow as `diagnose`.
+/// 4x4 ...", "the picture is blurred ..."; empty: there is none. As slow as `diagnose`.
 std::string why_no_tag(const Frame& frame);
 
 /// One sentence without a full stop, for people: "tag 3 is there, but its edge is 40 mm, 33 % smaller than [tags] size

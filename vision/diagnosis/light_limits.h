@@ -13,4 +13,7 @@ inline constexpr int faint = 2;
 inline constexpr double saturated_share = 0.25;
 inline constexpr int dark_grey = 40;
 
+/// Edges of this width in the median are blurred: a lens in focus gives 2 to 2.5. [px]
+inline constexpr double blurred_edge = 3.8;
+
 }  // namespace skein::vision::detail

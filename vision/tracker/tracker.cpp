@@ -27,6 +27,9 @@ constexpr double fastest_turn = 720.0 * degree;
 // the best-lit floor for tags, at many times the cost.
 constexpr double in_the_dark = 1.0 / 3.0;
 
+// A size is unusual if it differs by this many of its standard deviations more than is tolerated.
+constexpr double deviations = 4.0;
+
 // The cubic map is good enough below this. [px]
 constexpr double map_tolerance = 0.01;
 
@@ -296,7 +299,6 @@ void TrackerParts::accept(WantedTag& tag, const Frame& frame, const detail::Fit&
 /// stays so for long is no hand, and becomes what is usual.
 bool WantedTag::lifted(double tolerance) noexcept {
   constexpr int remembered = 100, long_enough = 250;  // [frames]
-  constexpr double deviations = 4.0;
   const bool off =
       stretches >= enough_stretches && std::abs(*stretch - usual_stretch) > tolerance + deviations * stretch_sigma;
   off_stretch = off ? off_stretch + 1 : 0;
@@ -327,7 +329,8 @@ void TrackerParts::compare_shapes() {
   if (stretches.size() < 3) return;
   const double usual = core::median_of(stretches);
   for (WantedTag& tag : wanted) {
-    if (!tag.found || !tag.stretch || std::abs(*tag.stretch - usual) <= options.group_tolerance) continue;
+    if (!tag.found || !tag.stretch) continue;
+    if (*tag.stretch - usual <= options.group_tolerance + deviations * tag.stretch_sigma) continue;
     tag.found = false;
     reject(counters.odd);
   }

@@ -23,16 +23,18 @@ struct TrackerOptions {
   double window = 2.2;      // edge of the search window, in tag edges: a turned tag spans 1.8 with its white border
   double max_speed = 0.3;   // widens the window of a tag that was not seen for a while [m/s]; an e-puck does 0.13
   double corner_sigma = corner_sigma_px;  // noise of AprilTag's corners [px]
-  double shape_tolerance = 0.06;   // a tag larger, smaller or more slanted than this part of its size is not where its
-                                   // pose says: it is held up (10 cm under a camera at 1.7 m), tilted or misprinted
-  double group_tolerance = 0.025;  // the same, compared with the other tags, where three and more are seen: what is
-                                   // wrong with all of them is the calibration's tag_size or tag_height
-  double lift_tolerance = 0.012;   // the same, compared with what the tag itself has shown for the last seconds: it
-                                   // was lifted, by 22 mm under a camera at 1.8 m. The picture has tilt and lens errors
-                                   // of its own, but they change slowly while a robot drives
-  int threads = 1;                 // of a full search
-  double decimate = 0.0;           // of AprilTag's searches, as for DetectorOptions; 0: as the tags' size allows
-  bool baseline = false;           // only the instructions that every x86-64 has, as where there is no AVX2
+  double shape_tolerance = 0.06;  // a tag larger, smaller or more slanted than this part of its size is not where its
+                                  // pose says: it is held up (10 cm under a camera at 1.7 m), tilted or misprinted
+  double group_tolerance =
+      0.015;                      // how much larger than the other tags, where three and more are seen, a tag on the
+                                  // floor may look: 27 mm under a camera at 1.8 m. What is wrong with all of them is
+                                  // the calibration's tag_size or tag_height; a smaller tag is a misprint, in its place
+  double lift_tolerance = 0.012;  // the same, compared with what the tag itself has shown for the last seconds: it
+                                  // was lifted, by 22 mm under a camera at 1.8 m. The picture has tilt and lens errors
+                                  // of its own, but they change slowly while a robot drives
+  int threads = 1;                // of a full search
+  double decimate = 0.0;          // of AprilTag's searches, as for DetectorOptions; 0: as the tags' size allows
+  bool baseline = false;          // only the instructions that every x86-64 has, as where there is no AVX2
   std::function<double()> clock{};  // [s]; measures the stages of each frame; none: they are not measured
 };
 
@@ -82,7 +84,7 @@ struct TrackerCounters {
   std::int64_t rejected = 0;       // wanted tags that were seen and not taken: the sum of the next four
   std::int64_t misshapen = 0;      // not lying flat at tag_height, or not of tag_size
   std::int64_t unlike = 0;         // not like that tag's image: covered, blurred, or none at all
-  std::int64_t odd = 0;            // larger or smaller than the other tags in the frame
+  std::int64_t odd = 0;            // larger than the other tags in the frame
   std::int64_t lifted = 0;         // they looked as usual until they came nearer to the camera
   std::int64_t wrong_frames = 0;   // frames whose size is not the calibration's: nothing is looked for in them
   std::int64_t fits = 0;           // photometric fits that found their tag

@@ -172,7 +172,7 @@ TEST(CameraExamination, BlurIsNamedWhereNoTagCanBeRead) {
   ExaminationLab lab;
   lab.scene.blur_px = 4.0;
   lab.seconds = 0.2;
-  EXPECT_EQ(faults(lab.examine()), (Names{"ILL sharpness", "note tags"}));
+  EXPECT_EQ(faults(lab.examine()), (Names{"ILL sharpness", "ILL tags"}));
 }
 
 TEST(CameraExamination, LowContrastIsNamed) {

@@ -244,6 +244,23 @@ TEST(Diagnosis, ATagInADarkOrOverexposedPictureLacksLight) {
   EXPECT_NE(lab.diagnosis().why, NotSeen::in_shadow);
 }
 
+TEST(Diagnosis, ABlurredPicture) {
+  DiagnosisLab lab;
+  for (const double noise : {1.0, 8.0}) {
+    lab.show({{3, {0.3, -0.2, 0.4}, 0.06}}, {.noise_sigma = noise, .blur_px = 4.0});
+    ASSERT_FALSE(lab.tracked());
+    EXPECT_EQ(lab.diagnosis().why, NotSeen::blurred) << noise;
+    // The control: the same floor in focus, without the tag.
+    lab.show({}, {.noise_sigma = noise});
+    EXPECT_EQ(lab.diagnosis().why, NotSeen::not_found) << noise;
+  }
+  lab.show({{3, {0.3, -0.2, 0.4}, 0.06}}, {.blur_px = 4.0});
+  EXPECT_EQ(lab.said(),
+            "no tag 3 is found, and the picture is blurred (its edges are 6.9 px wide, those of a sharp one 2 to 3): "
+            "turn the lens's focus, or shorten the exposure");
+  EXPECT_TRUE(why_no_tag(lab.frame).starts_with("the picture is blurred")) << why_no_tag(lab.frame);
+}
+
 TEST(Diagnosis, EmptyFloorHasNoTag) {
   DiagnosisLab lab;
   lab.show({});

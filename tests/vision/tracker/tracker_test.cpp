@@ -323,6 +323,8 @@ TEST(TagTracker, ATagThatIsLargerThanAllOthersIsNotReported) {
   TrackerLab with_a_larger_one({.tags = {1, 2, 3, 4}});
   EXPECT_EQ(with_a_larger_one.step(scene(1.04)).size(), 3U) << "somebody holds it";
   EXPECT_EQ(with_a_larger_one.tracker.counters().odd, 1);
+  TrackerLab with_a_smaller_one({.tags = {1, 2, 3, 4}});
+  EXPECT_EQ(with_a_smaller_one.step(scene(0.97)).size(), 4U) << "a misprint, in its place";
 }
 
 TEST(TagTracker, OtherTagsAreNotReported) {
