@@ -5,6 +5,7 @@
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
 #include "app/run/output.h"
+#include "app/run/terminal_text.h"
 #include "app/tools/robot_setup.h"
 #include "comms/bluez.h"
 
@@ -16,7 +17,8 @@ bool not_interrupted() {
 }
 
 void print(const comms::BluetoothRobot& robot) {
-  fmt::print("# {}, {}\n{}\n", robot.name, robot.paired ? "paired" : "not paired", as_toml(known_robot(robot)));
+  fmt::print("# {}, {}\n{}\n", shown(robot.name), robot.paired ? "paired" : "not paired",
+             shown_lines(as_toml(known_robot(robot))));
 }
 
 /// Adds the robots to the file of robots, and says so.
@@ -30,7 +32,7 @@ int save(const std::string& file, const std::vector<comms::BluetoothRobot>& foun
     print_error(added.error() + "\n");
     return wrong_input;
   }
-  fmt::print("# {}: {} robots added, {} already present\n", path, *added, found.size() - *added);
+  fmt::print("# {}: {} robots added, {} already present\n", shown(path), *added, found.size() - *added);
   return done;
 }
 
@@ -52,9 +54,9 @@ int scan_robots(const RobotsRequest& request) {
   }
   for (const comms::BluetoothRobot& robot : *robots) print(robot);
   if (robots->empty()) {
-    print_error(
-        "skein: no robot found. Is it switched on and in range? An e-puck2 is discoverable only when its button is "
-        "held while it is switched on\n");
+    complain(
+        "no robot found. Is it switched on and in range? An e-puck2 is discoverable only when its button is "
+        "held while it is switched on");
     return device_failed;
   }
   return request.save ? save(request.file, *robots) : done;
@@ -71,7 +73,7 @@ int pair_robots(const RobotsRequest& request) {
       paired.push_back(*robot);
       continue;
     }
-    print_error(fmt::format("skein: {}: {}\n", name, robot.error()));
+    complain(fmt::format("{}: {}", name, robot.error()));
     status = device_failed;
   }
   const int saved = request.save && !paired.empty() ? save(request.file, paired) : done;

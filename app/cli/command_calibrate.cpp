@@ -15,6 +15,7 @@
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
 #include "app/run/output.h"
+#include "app/run/terminal_text.h"
 #include "app/tools/board_views.h"
 #include "vision/calibrate/floor_calibration.h"
 #include "vision/calibrate/intrinsics.h"
@@ -25,7 +26,7 @@ namespace skein::app {
 namespace {
 
 int fail_with(const std::string& text, int status) {
-  print_error(fmt::format("skein: {}\n", text));
+  complain(text);
   return status;
 }
 
@@ -47,12 +48,12 @@ std::unique_ptr<vision::FrameSource> open(const std::string& name, const CameraW
     status = fail_with(source.error(), device_failed);
     return nullptr;
   }
-  for (const std::string& notice : (*source)->status().notices) print_error(fmt::format("skein: {}\n", notice));
+  for (const std::string& notice : (*source)->status().notices) complain(notice);
   return std::move(*source);
 }
 
 void name_skipped(const vision::FrameSource& source) {
-  for (const std::string& skipped : source.skipped()) print_error(fmt::format("skein: skipped {}\n", skipped));
+  for (const std::string& skipped : source.skipped()) complain(fmt::format("skipped {}", skipped));
 }
 
 /// Millimetres from metres, for people.
@@ -72,7 +73,7 @@ tl::expected<std::vector<vision::FloorMark>, std::string> marks_to_look_for(cons
   std::vector<vision::FloorMark> marks;
   for (vision::FloorMark mark : calibration.marks) {
     if (mark.tag < 0) {
-      print_error(fmt::format("skein: {} is left out: its pixel is of the last calibration\n", mark.name));
+      complain(fmt::format("{} is left out: its pixel is of the last calibration", mark.name));
       continue;
     }
     mark.seen = false;
@@ -88,7 +89,8 @@ std::optional<Looked> look(const FloorRequest& request, bool need_world, int& st
   Looked looked;
   auto calibration = load_calibration(request.camera);
   if (!calibration) {
-    status = fail_with(calibration.error(), wrong_input);
+    complain_lines(calibration.error());
+    status = wrong_input;
     return {};
   }
   looked.calibration = *calibration;
@@ -99,7 +101,8 @@ std::optional<Looked> look(const FloorRequest& request, bool need_world, int& st
   auto marks =
       request.marks.empty() ? marks_to_look_for(looked.calibration, request.camera) : load_floor_marks(request.marks);
   if (!marks) {
-    status = fail_with(marks.error(), wrong_input);
+    complain_lines(marks.error());
+    status = wrong_input;
     return {};
   }
   looked.marks = std::move(*marks);
@@ -119,21 +122,21 @@ std::optional<Looked> look(const FloorRequest& request, bool need_world, int& st
   looked.sight = std::move(*sight);
   enter(looked.sight, looked.marks);
   for (const vision::FloorMark& mark : looked.marks)
-    if (!mark.seen) print_error(fmt::format("skein: {} is not seen\n", mark.name));
+    if (!mark.seen) complain(fmt::format("{} is not seen", mark.name));
   return looked;
 }
 
 void print_residuals(const vision::FloorCheck& check) {
   for (const vision::FloorResidual& r : check.residuals)
-    fmt::print("{}: x {:.3f} y {:.3f} m, off by {:.2f} mm (x {:+.2f}, y {:+.2f})\n", r.mark->name, r.mark->x, r.mark->y,
-               mm(std::hypot(r.dx, r.dy)), mm(r.dx), mm(r.dy));
+    fmt::print("{}: x {:.3f} y {:.3f} m, off by {:.2f} mm (x {:+.2f}, y {:+.2f})\n", shown(r.mark->name), r.mark->x,
+               r.mark->y, mm(std::hypot(r.dx, r.dy)), mm(r.dx), mm(r.dy));
   fmt::print("marks: {}\nrms_mm: {:.3f}\nworst_mm: {:.3f}\n", check.residuals.size(), mm(check.rms), mm(check.worst));
 }
 
 void print_shift(const vision::PoseShift& shift) {
   for (const vision::PoseShift::Place& place : shift.places)
     fmt::print("pose at x {:.3f} y {:.3f} m ({}): moves by {:.2f} mm (x {:+.2f}, y {:+.2f})\n", place.x, place.y,
-               place.name, mm(std::hypot(place.dx, place.dy)), mm(place.dx), mm(place.dy));
+               shown(place.name), mm(std::hypot(place.dx, place.dy)), mm(place.dx), mm(place.dy));
   fmt::print("poses_move_mm: {:.3f}\n", mm(shift.rms));
 }
 
@@ -151,12 +154,12 @@ int calibrate_intrinsics(const IntrinsicsRequest& request) {
   vision::Frame frame;
   // A camera is watched until it has seen enough; of a film, which is over when it is over, the best views are taken.
   const bool terminal = at_terminal(request.quiet);
-  bool shown = false;
+  bool drawn = false;
   const auto show = [&] {
     const vision::Coverage& covered = *seen.coverage();
     // Of a camera at a terminal: in the same place again, a line more than the picture has rows.
-    if (terminal && live && std::exchange(shown, true))
-      print_error(fmt::format("\033[{}A\033[J", vision::Coverage::rows + 1));
+    if (terminal && live && std::exchange(drawn, true))
+      print_error_as_is(fmt::format("\033[{}A\033[J", vision::Coverage::rows + 1));
     print_error(fmt::format("{} views, {:.0f} % of the picture covered{}\n{}", seen.views().size(),
                             100.0 * covered.share(),
                             live ? fmt::format("; {} at most, Ctrl-C to finish", request.views) : "", covered.text()));
@@ -171,11 +174,11 @@ int calibrate_intrinsics(const IntrinsicsRequest& request) {
     const vision::Coverage& first = *seen.coverage();
     switch (*kind) {
       case BoardViews::FrameKind::other_size:
-        print_error(fmt::format("skein: skipped {}: {}x{} px, the first picture has {}x{}\n", frame.source, frame.width,
-                                frame.height, first.width, first.height));
+        complain(fmt::format("skipped {}: {}x{} px, the first picture has {}x{}", frame.source, frame.width,
+                             frame.height, first.width, first.height));
         break;
       case BoardViews::FrameKind::no_board:
-        if (stills) print_error(fmt::format("skein: {}: no board\n", frame.source));
+        if (stills) complain(fmt::format("{}: no board", frame.source));
         break;
       case BoardViews::FrameKind::view:
         if (terminal || (live && !request.quiet)) show();
@@ -196,14 +199,13 @@ int calibrate_intrinsics(const IntrinsicsRequest& request) {
   const auto old = replace_calibration(result->calibration, request.out);
   if (!old) return fail_with(old.error(), wrong_input);
   if (!old->empty())
-    print_error(
-        fmt::format("skein: {} was overwritten; its previous contents are in {}\n", request.out, old->string()));
+    complain(fmt::format("{} was overwritten; its previous contents are in {}", request.out, old->string()));
   if (request.quiet) return done;
   int rejected = 0;
   int outliers = 0;
   std::size_t corners = 0;
   for (const vision::BoardView& view : result->views) {
-    fmt::print("view {}: {} corners, {:.3f} px{}{}\n", view.source, view.corners.size(), view.rms,
+    fmt::print("view {}: {} corners, {:.3f} px{}{}\n", shown(view.source), view.corners.size(), view.rms,
                view.outliers > 0 ? fmt::format(", {} left out", view.outliers) : "",
                view.rejected ? ", view left out" : "");
     rejected += view.rejected ? 1 : 0;
@@ -220,10 +222,9 @@ int calibrate_intrinsics(const IntrinsicsRequest& request) {
       coverage->share(), result->rms, c.fx, c.fy, result->focal_sigma, c.cx, c.cy, result->centre_sigma,
       fmt::join(c.distortion, " "), request.out);
   if (result->focal_sigma > 0.01 * c.fx)
-    print_error(fmt::format("skein: the focal length is only known to {:.0f} px: show the board tilted, near and far\n",
-                            result->focal_sigma));
-  if (const std::string why = vision::uneven_focal_lengths(*result); !why.empty())
-    print_error(fmt::format("skein: {}\n", why));
+    complain(fmt::format("the focal length is only known to {:.0f} px: show the board tilted, near and far",
+                         result->focal_sigma));
+  if (const std::string why = vision::uneven_focal_lengths(*result); !why.empty()) complain(why);
   if (coverage->share() < 0.6)
     fmt::print(
         stderr,
@@ -262,23 +263,22 @@ int calibrate_floor(const FloorRequest& request) {
   const std::string out = request.out.empty() ? request.camera : request.out;
   const auto old = replace_calibration(*result, out);
   if (!old) return fail_with(old.error(), wrong_input);
-  if (!old->empty())
-    print_error(fmt::format("skein: {} was overwritten; its previous contents are in {}\n", out, old->string()));
+  if (!old->empty()) complain(fmt::format("{} was overwritten; its previous contents are in {}", out, old->string()));
   if (!request.quiet) {
     print_residuals(*check);
     if (const auto shift = vision::pose_shift(looked->calibration, *result)) print_shift(*shift);
     const Eigen::Vector3d& p = result->world_from_camera->position;
     fmt::print("camera: {:.4f} {:.4f} {:.4f}\ntag_height: {:.4f}\ntag_size: {:.4f}\ncalibration: {}\n", p.x(), p.y(),
-               p.z(), result->tag_height, result->tag_size, out);
+               p.z(), result->tag_height, result->tag_size, shown(out));
   }
   if (solved->left_out)
-    print_error(
-        fmt::format("skein: {} was rejected: it is {:.1f} mm from its place in {}, and the others agree without it\n",
-                    solved->left_out->name, mm(solved->off), request.marks.empty() ? request.camera : request.marks));
+    complain(fmt::format("{} was rejected: it is {:.1f} mm from its place in {}, and the others agree without it",
+                         solved->left_out->name, mm(solved->off),
+                         request.marks.empty() ? request.camera : request.marks));
   else if (const double off = vision::single_error(*check); off > 5e-3)
-    print_error(
-        fmt::format("skein: the marks disagree by up to {:.1f} mm, as if one of the {} were off by {:.1f} mm: check "
-                    "their positions and the camera's focus\n",
+    complain(
+        fmt::format("the marks disagree by up to {:.1f} mm, as if one of the {} were off by {:.1f} mm: check "
+                    "their positions and the camera's focus",
                     mm(check->worst), check->residuals.size(), mm(off)));
   return done;
 }
@@ -333,7 +333,7 @@ int print_tags(const TagsRequest& request) {
       return fail_with(fmt::format("{}: already exists, allowed: another name, or --force", file), wrong_input);
   const auto written = vision::write_sheet(*pages, request.out);
   if (!written) return fail_with(written.error(), wrong_input);
-  for (const std::string& file : *written) fmt::print("{}\n", file);
+  for (const std::string& file : *written) fmt::print("{}\n", shown(file));
   return done;
 }
 

@@ -102,11 +102,11 @@ int calibrate_joint(const JointRequest& request) {
   const auto found =
       joint_films(*experiment, request.film, request.reference - 1, [&](std::size_t camera, std::int64_t frames) {
         if (show_progress && frames % 10 == 0)
-          print_error(
+          print_error_as_is(
               fmt::format("\r\033[Kcamera {} of {}: {} frames searched", camera + 1, experiment->cameras(), frames));
         return !interrupted();
       });
-  if (show_progress) print_error("\r\033[K");
+  if (show_progress) print_error_as_is("\r\033[K");
   if (!found) return refuse(found.error() + "; nothing was written", device_failed);
   if (!request.quiet) print(*found, request.reference - 1);
   if (!request.out.empty()) {

@@ -10,6 +10,7 @@
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
 #include "app/run/output.h"
+#include "app/run/terminal_text.h"
 #include "app/tools/camera_list.h"
 #include "vision/sources/open_source.h"
 
@@ -38,7 +39,7 @@ int describe_one(const std::string& camera) {
     complain(lines.error());
     return device_failed;
   }
-  fmt::print("{}\n", fmt::join(*lines, "\n"));
+  for (const std::string& line : *lines) fmt::print("{}\n", shown(line));
   return done;
 }
 
@@ -47,10 +48,10 @@ int describe_one(const std::string& camera) {
 int list_cameras(const std::string& camera) {
   if (!camera.empty()) return describe_one(camera);
   const FoundCameras found = find_cameras();
-  for (const auto& [address, what] : found.cameras) fmt::print("{}: {}\n", address, what);
+  for (const auto& [address, what] : found.cameras) fmt::print("{}: {}\n", shown(address), shown(what));
   if (!found.problem.empty()) complain(found.problem);
   if (!found.cameras.empty()) return done;
-  print_error("skein: no camera at /dev/video*, and none of GigE or USB3 Vision that answers\n");
+  complain("no camera at /dev/video*, and none of GigE or USB3 Vision that answers");
   return device_failed;
 }
 
@@ -63,7 +64,7 @@ int camera_doctor(const CameraDoctorRequest& request) {
     }
   if (!request.camera.empty())
     if (const auto calibration = load_calibration(request.camera); !calibration) {
-      complain(calibration.error());
+      complain_lines(calibration.error());
       return wrong_input;
     }
   CameraCase wanted{.source = request.source};
@@ -82,7 +83,7 @@ int camera_doctor(const CameraDoctorRequest& request) {
   if (!request.camera.empty()) {
     auto calibration = load_calibration(request.camera);
     if (!calibration) {
-      complain(calibration.error());
+      complain_lines(calibration.error());
       return wrong_input;
     }
     if (wanted.options.width == 0) {
@@ -97,13 +98,13 @@ int camera_doctor(const CameraDoctorRequest& request) {
   const bool show_progress = isatty(STDERR_FILENO) != 0;
   if (show_progress) print_error(fmt::format("looking at {} for {:g} s", wanted.source, wanted.seconds));
   const auto report = examine_camera(wanted);
-  if (show_progress) print_error("\r\033[K");
+  if (show_progress) print_error_as_is("\r\033[K");
   if (!report) {
     complain(report.error());
     return device_failed;
   }
   bool ill = false;
-  print_out(report->camera + "\n");
+  print_out(shown(report->camera) + "\n");
   for (const Finding& finding : report->findings) {
     print_out(as_line(finding));
     ill = ill || finding.state == Finding::State::ill;

@@ -67,7 +67,7 @@ int save_row_time(const Experiment& e, std::size_t camera, double row_time) {
     complain(old.error());
     return wrong_input;
   }
-  complain(calibration.error());
+  complain_lines(calibration.error());
   return wrong_input;
 }
 

@@ -5,6 +5,7 @@
 #include "app/experiment/ways.h"
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
+#include "app/run/terminal_text.h"
 #include "app/session/camera_rig.h"
 #include "app/tools/controller_check.h"
 
@@ -31,16 +32,16 @@ int check(const ExperimentRequest& request, bool controller) {
   if (experiment->camera.kind() != CameraKind::absent)
     for (std::size_t k = 0; k < experiment->cameras(); ++k)
       if (const auto calibration = camera_calibration(*experiment, k); !calibration) {
-        complain(calibration.error());
+        complain_lines(calibration.error());
         return wrong_input;
       }
   const Certificate certificate = certify(*experiment);
-  fmt::print("experiment: {}\n{}", experiment->name, as_lines(certificate));
-  for (const std::string& sentence : missing_ways(*experiment)) fmt::print("way: {}\n", sentence);
+  fmt::print("experiment: {}\n{}", shown(experiment->name), as_lines(certificate));
+  for (const std::string& sentence : missing_ways(*experiment)) fmt::print("way: {}\n", shown(sentence));
   for (std::size_t i = 0; i < experiment->robots.size(); ++i) {
     const RobotSpec& robot = experiment->robots[i];
     if (!robot.is_real()) continue;
-    fmt::print("watchdog: {}: {}\n", robot_name(*experiment, i),
+    fmt::print("watchdog: {}: {}\n", shown(robot_name(*experiment, i)),
                !robot.watchdog ? "not known; `skein robots test --save` measures it"
                : *robot.watchdog == 0.0
                    ? "none: it drives on when its link dies"
@@ -52,7 +53,7 @@ int check(const ExperimentRequest& request, bool controller) {
       complain(law.error());
       return wrong_input;
     }
-    fmt::print("{}", as_lines(*law));
+    fmt::print("{}", shown_lines(as_lines(*law)));
     if (!law->fit()) return expectation_failed;
   }
   if (certificate.sound()) return done;

@@ -7,6 +7,7 @@
 #include "app/cli/command_line_runs.h"
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
+#include "app/run/terminal_text.h"
 #include "app/runs/find_run.h"
 
 namespace skein::app {
@@ -29,7 +30,7 @@ int export_file(const ExportRequest& request) {
     return wrong_input;
   }
   if (exported->torn) complain(*exported->torn);
-  print_out(fmt::format("file: {}\nrows: {}\n", out, exported->rows));
+  print_out(fmt::format("file: {}\nrows: {}\n", shown(out), exported->rows));
   return done;
 }
 

@@ -33,6 +33,7 @@
 #include "app/run/interrupted.h"
 #include "app/run/output.h"
 #include "app/run/resources.h"
+#include "app/run/terminal_text.h"
 #include "app/run/version.h"
 #include "comms/crash_stop.h"
 #include "comms/emulator/emulate.h"
@@ -369,7 +370,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
     return program.exit(error) == 0 ? done : wrong_input;  // --help and --version end here as well
   }
   if (const auto mistake = misplaced(program)) {
-    print_error(*mistake + "\n");
+    print_error(shown(*mistake) + "\n");
     return wrong_input;
   }
 

@@ -43,7 +43,7 @@ bool VisionCommands::BoardWords::read(vision::Board& board) const {
   if (std::sscanf(squares.c_str(), "%dx%d%n", &board.columns, &board.rows, &read) == 2 &&
       read == static_cast<int>(squares.size()))
     return true;
-  print_error(fmt::format("skein: --squares {}; allowed: columns x rows, such as 12x8\n", squares));
+  complain(fmt::format("--squares {}; allowed: columns x rows, such as 12x8", squares));
   return false;
 }
 

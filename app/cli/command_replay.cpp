@@ -10,6 +10,7 @@
 #include "app/replay/replay.h"
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
+#include "app/run/terminal_text.h"
 
 namespace skein::app {
 
@@ -35,8 +36,8 @@ int replay(const std::string& csv, const std::string& film, bool repaired, bool 
     complain(result.error());
     return wrong_input;
   }
-  for (const std::string& warning : result->warnings) print_error(fmt::format("skein: {}: {}\n", csv, warning));
-  fmt::print("experiment: {}\nticks: {}\ncommands: {}\ndifferent: {}\n", result->experiment, result->ticks,
+  for (const std::string& warning : result->warnings) complain(fmt::format("{}: {}", csv, warning));
+  fmt::print("experiment: {}\nticks: {}\ncommands: {}\ndifferent: {}\n", shown(result->experiment), result->ticks,
              result->commands, result->different);
   if (result->filmed)
     fmt::print("frames: {}\nmissing_frames: {}\nposes: {}\nposes_different: {}\n", result->frames,
@@ -50,12 +51,10 @@ int replay(const std::string& csv, const std::string& film, bool repaired, bool 
     fmt::print("answers: {}\nanswers_different: {}\nanswers_late: {}\n", result->answers, result->answers_different,
                result->answers_late);
     if (result->answers_different > 0)
-      print_error(
-          fmt::format("skein: {}: the controller's answers differ now; first at {}\n", csv, result->first_answer));
+      complain(fmt::format("{}: the controller's answers differ now; first at {}", csv, result->first_answer));
   }
   if (result->answers_different == 0 && result->different == 0 && result->poses_different == 0) return done;
-  if (!result->first.empty())
-    print_error(fmt::format("skein: {}: the replay differs; first at {}\n", csv, result->first));
+  if (!result->first.empty()) complain(fmt::format("{}: the replay differs; first at {}", csv, result->first));
   return expectation_failed;
 }
 

@@ -6,6 +6,7 @@
 #include "app/record/disk_writer.h"
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
+#include "app/run/terminal_text.h"
 #include "app/runs/find_run.h"
 #include "app/runs/run_page.h"
 
@@ -30,7 +31,7 @@ int write_page(const PageRequest& request) {
   if (!disk->write(page->html)) return refused(disk->failure());
   disk->publish();
   if (const auto written = disk->finish(patience); !written) return refused(written.error());
-  print_out(fmt::format("file: {}\n", out));
+  print_out(fmt::format("file: {}\n", shown(out)));
   return done;
 }
 

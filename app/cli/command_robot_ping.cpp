@@ -7,6 +7,7 @@
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
 #include "app/run/output.h"
+#include "app/run/terminal_text.h"
 #include "app/tools/robot_ping.h"
 
 namespace skein::app {
@@ -14,7 +15,7 @@ namespace {
 
 void print(const RobotPing::Robot& robot, double seconds) {
   const comms::LinkStatus& status = robot.status;
-  fmt::print("{}{}\n", robot.name, robot.adapter.empty() ? "" : fmt::format(" over {}", robot.adapter));
+  fmt::print("{}{}\n", shown(robot.name), robot.adapter.empty() ? "" : fmt::format(" over {}", robot.adapter));
   fmt::print("  questions answered: {} in {:g} s\n", status.exchanges, seconds);
   fmt::print("  round_trip_ms: {:.1f} median, {:.1f} p99, {:.1f} p99.9\n", 1e3 * robot.times.quantile_since_start(0.5),
              1e3 * robot.times.quantile_since_start(0.99), 1e3 * robot.times.quantile_since_start(0.999));

@@ -7,6 +7,7 @@
 #include "app/experiment/known_robots.h"
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
+#include "app/run/terminal_text.h"
 #include "app/tools/driven_plant.h"
 #include "app/tools/robot_test.h"
 
@@ -16,9 +17,9 @@ namespace {
 void print(const RobotTestResult& result, const Experiment& experiment, std::size_t robot) {
   const auto said = [](const std::string& text) { return text.empty() ? "not said" : text; };
   const std::string& address = experiment.robots[robot].address;
-  fmt::print("{}: {}\n", robot_name(experiment, robot), address.empty() ? "emulated" : address);
-  fmt::print("version: {}\nbattery: {}\nleft_steps: {}\nright_steps: {}\n", said(result.status.version),
-             result.status.battery_text, result.left_steps, result.right_steps);
+  fmt::print("{}: {}\n", shown(robot_name(experiment, robot)), address.empty() ? "emulated" : shown(address));
+  fmt::print("version: {}\nbattery: {}\nleft_steps: {}\nright_steps: {}\n", shown(said(result.status.version)),
+             shown(result.status.battery_text), result.left_steps, result.right_steps);
   if (result.tag >= 0) fmt::print("tag: {}\n", result.tag);
   if (result.wheel_diameter) fmt::print("wheel_diameter: {:.5f}\n", *result.wheel_diameter);
   if (result.track) fmt::print("track: {:.5f}\n", *result.track);

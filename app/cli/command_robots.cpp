@@ -17,6 +17,7 @@
 #include "app/guard/stop_run.h"
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
+#include "app/run/terminal_text.h"
 
 namespace skein::app {
 namespace {
@@ -198,7 +199,7 @@ std::optional<NamedRobots> named_robots(const std::vector<std::string>& words, c
       if (!experiment) return {};
       const auto linked = [](const RobotSpec& robot) { return robot.has_link(); };
       if (std::none_of(experiment->robots.begin(), experiment->robots.end(), linked)) {
-        print_error(fmt::format("skein: {}: no robot in it has a link\n", word));
+        complain(fmt::format("{}: no robot in it has a link", word));
         return {};
       }
       named.robots.insert(named.robots.end(), experiment->robots.begin(), experiment->robots.end());
@@ -206,7 +207,7 @@ std::optional<NamedRobots> named_robots(const std::vector<std::string>& words, c
     } else {
       const bool address = comms::is_link_address(word);
       const auto parsed = comms::parse_link_address(word);
-      if (address && !parsed) return print_error(fmt::format("skein: {}\n", parsed.error())), std::nullopt;
+      if (address && !parsed) return complain(parsed.error()), std::nullopt;
       const auto robot = address ? known.by_link(*parsed) : known.by_name(word);
       if (!robot) return {};
       named.robots.push_back(*robot);
@@ -221,16 +222,17 @@ int list_robots(const std::string& file) {
   if (!known) {
     print(known.error());
     if (file.empty() && !fs::exists(path))
-      print_error(fmt::format("skein: no robot is known yet: `skein robots scan --save` writes this file\n"));
+      complain("no robot is known yet: `skein robots scan --save` writes this file");
     return wrong_input;
   }
-  fmt::print("# {}\n{:<16} {:<32} {:<8} {:>4} {:<7} {:>8} {:>8} {}\n", path, "name", "link", "adapter", "tag", "model",
-             "wheel mm", "track mm", "version");
+  std::vector<std::vector<std::string>> rows{
+      {"name", "link", "adapter", "tag", "model", "wheel mm", "track mm", "version"}};
+  const auto in_mm = [](double length) { return fmt::format("{:.2f}", 1e3 * length); };
   for (const auto& [spec, version] : *known)
-    fmt::print("{:<16} {:<32} {:<8} {:>4} {:<7} {:>8.2f} {:>8.2f} {}\n", spec.name, spec.address,
-               spec.adapter.empty() ? "-" : spec.adapter, spec.tag < 0 ? "-" : std::to_string(spec.tag),
-               spec.type->name, 1e3 * spec.drive.wheel_diameter, 1e3 * spec.drive.track,
-               version.empty() ? "-" : version);
+    rows.push_back({spec.name, spec.address, spec.adapter.empty() ? "-" : spec.adapter,
+                    spec.tag < 0 ? "-" : std::to_string(spec.tag), std::string(spec.type->name),
+                    in_mm(spec.drive.wheel_diameter), in_mm(spec.drive.track), version.empty() ? "-" : version});
+  fmt::print("# {}\n{}", shown(path), table(rows));
   return done;
 }
 
@@ -272,7 +274,7 @@ int stop_robots(const std::vector<std::string>& words, const std::string& file) 
         fmt::format("no run is active or has left a robot behind, and no robot is known: there is no {}\n", path));
   const bool all = stops.carry_out(/*every_run=*/all_known);
   // Only now: a mistake in a file must not keep any robot from being stopped.
-  for (const std::string& problem : problems) print_error(problem + "\n");
+  for (const std::string& problem : problems) print_error(shown(problem) + "\n");
   if (problems.empty())
     for (const std::string& word : words)
       if (word.ends_with(".toml")) (void)named_robots({word}, file);  // says what else is wrong with it

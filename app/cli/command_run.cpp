@@ -35,15 +35,15 @@ class Progress final : public RecordSink {
   Progress(const Experiment& experiment, bool quiet)
       : duration_(experiment.duration), shown_(!quiet && isatty(STDERR_FILENO) != 0) {}
   ~Progress() override {
-    if (shown_) print_error("\r\033[K");
+    if (shown_) print_error_as_is("\r\033[K");
   }
   void record(const TickRecord& record) override {
     if (!shown_ || record.tick % 25 != 0) return;
     const auto now = std::chrono::steady_clock::now();
     if (now - last_ < std::chrono::milliseconds(200)) return;
     last_ = now;
-    print_error(fmt::format("\r\033[K{:.1f} s of {:g} s, tracking error {:.1f} mm", record.t, duration_,
-                            1e3 * record.tracking_error()));
+    print_error_as_is(fmt::format("\r\033[K{:.1f} s of {:g} s, tracking error {:.1f} mm", record.t, duration_,
+                                  1e3 * record.tracking_error()));
   }
 
  private:
@@ -158,7 +158,7 @@ int run(const RunRequest& request) {
   crops.begin(std::move(for_crops));
   auto session = Session::open(*experiment, clock, options);
   if (!session) {
-    complain(session.error());
+    complain_lines(session.error());
     Statistics::Summary nothing = statistics.summary();
     nothing.failure = session.error();
     files.clear();  // without a row they leave nothing

@@ -13,6 +13,7 @@
 #include "app/run/event.h"
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
+#include "app/run/terminal_text.h"
 #include "app/runs/find_run.h"
 #include "app/runs/kept_run.h"
 #include "app/runs/run_folder.h"
@@ -73,16 +74,7 @@ void print_table(const std::vector<RunIndex::Run>& runs, const std::vector<std::
     std::vector<std::string>& row = rows.emplace_back(1, run.id);
     for (const std::string& key : keys) row.push_back(text(run.facts, key));
   }
-  std::vector<std::size_t> widths(rows[0].size());
-  for (const auto& row : rows)
-    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
-  std::string out;
-  for (const auto& row : rows) {
-    for (std::size_t i = 0; i < row.size(); ++i)
-      out += i + 1 < row.size() ? fmt::format("{:<{}}  ", row[i], widths[i]) : row[i];
-    out += '\n';
-  }
-  print_out(out, reader_patience);
+  print_out(table(std::move(rows)), reader_patience);
 }
 
 const std::vector<std::string> usual_keys{"state",        "experiment.seed", "collisions",
@@ -185,12 +177,12 @@ int show_run(const RunsRequest& request) {
     print_out(story->dump(2, ' ', false, Json::error_handler_t::replace) + "\n", reader_patience);
     return done;
   }
-  std::string out = fmt::format("folder: {}\n", *folder);
-  for (const auto& [key, value] : run_facts(*story)) out += fmt::format("{}: {}\n", key, text(value));
+  std::string out = fmt::format("folder: {}\n", shown(*folder));
+  for (const auto& [key, value] : run_facts(*story)) out += fmt::format("{}: {}\n", shown(key), shown(text(value)));
   if (const auto sets = story->find("sets"); sets != story->end() && sets->is_array())
     for (const auto& set : *sets)
-      if (set.is_string()) out += fmt::format("set: {}\n", set.get<std::string>());
-  for (const std::string& name : files_of_run(*folder)) out += fmt::format("file: {}\n", name);
+      if (set.is_string()) out += fmt::format("set: {}\n", shown(set.get<std::string>()));
+  for (const std::string& name : files_of_run(*folder)) out += fmt::format("file: {}\n", shown(name));
   print_out(out, reader_patience);
   return done;
 }
@@ -203,7 +195,7 @@ int compare_runs(const RunsRequest& request) {
   std::set<std::string> keys;
   for (const Facts* const facts : {&*a, &*b})
     for (const auto& [key, value] : *facts) keys.insert(key);
-  std::vector<std::array<std::string, 3>> rows{{"", text(*a, "id"), text(*b, "id")}};
+  std::vector<std::vector<std::string>> rows{{"", text(*a, "id"), text(*b, "id")}};
   Json all = Json::object();
   std::size_t same = 0;
   for (const std::string& key : keys) {
@@ -220,12 +212,7 @@ int compare_runs(const RunsRequest& request) {
     print_out(all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n", reader_patience);
     return done;
   }
-  std::array<std::size_t, 2> widths{};
-  for (const auto& row : rows)
-    for (std::size_t i = 0; i < widths.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
-  std::string out;
-  for (const auto& row : rows) out += fmt::format("{:<{}}  {:<{}}  {}\n", row[0], widths[0], row[1], widths[1], row[2]);
-  print_out(out + fmt::format("{} other values are the same\n", same), reader_patience);
+  print_out(table(std::move(rows)) + fmt::format("{} other values are the same\n", same), reader_patience);
   return done;
 }
 
@@ -236,7 +223,7 @@ int verify_runs(const RunsRequest& request) {
   if (!found) return refused(found.error());
   std::string out;
   for (const Verification::Step& step : found->steps)
-    out += fmt::format("{}: {}, {}\n", step.what, step.holds ? "holds" : "FAILS", step.finding);
+    out += fmt::format("{}: {}, {}\n", step.what, step.holds ? "holds" : "FAILS", shown(step.finding));
   print_out(out, reader_patience);
   for (const std::string& note : found->notes) complain(note);
   return found->holds() ? done : expectation_failed;
@@ -287,7 +274,7 @@ int remove_runs(const RunsRequest& request) {
         status = device_failed;
         continue;
       }
-    out += fmt::format("{}: {:.1f} MB\n", folder, static_cast<double>(room) / 1e6);
+    out += fmt::format("{}: {:.1f} MB\n", shown(folder), static_cast<double>(room) / 1e6);
     bytes += room, ++runs;
   }
   const std::string all =

@@ -13,6 +13,7 @@
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
 #include "app/run/output.h"
+#include "app/run/terminal_text.h"
 #include "app/tools/outcome_file.h"
 #include "app/tools/study_plan.h"
 #include "app/tools/sweep_report.h"
@@ -24,7 +25,7 @@ bool write_csv(const std::string& path, const Outcomes& outcomes) {
   std::ofstream file(path, std::ios::binary | std::ios::trunc);
   write_outcomes(file, outcomes);
   file.close();
-  if (!file) print_error(fmt::format("skein: {}: cannot be written: {}\n", path, std::strerror(errno)));
+  if (!file) complain(fmt::format("{}: cannot be written: {}", path, std::strerror(errno)));
   return static_cast<bool>(file);
 }
 
@@ -103,16 +104,16 @@ int sweep(const SweepRequest& request) {
     part = *parsed;
     const std::string file = part_file(request.into, part);
     if (load_part(request.into, *study, part)) {
-      if (!request.quiet) fmt::print("part: {} of {}\nkept: {} (already there)\n", part.index, part.of, file);
+      if (!request.quiet) fmt::print("part: {} of {}\nkept: {} (already there)\n", part.index, part.of, shown(file));
       return done;
     }
   }
 
-  const bool shown = !request.quiet && isatty(STDERR_FILENO) != 0;
+  const bool live = !request.quiet && isatty(STDERR_FILENO) != 0;
   const std::int64_t runs = (study->runs - part.index + part.of) / part.of;
   std::size_t told = 0;
   const auto progress = [&](std::size_t made) {
-    if (shown && made != told) print_error(fmt::format("\r\033[K{} of {} runs", told = made, runs));
+    if (live && made != told) print_error_as_is(fmt::format("\r\033[K{} of {} runs", told = made, runs));
     return !interrupted();
   };
   const unsigned threads = request.threads > 0 ? request.threads : usable_cores();
@@ -122,8 +123,8 @@ int sweep(const SweepRequest& request) {
     auto merged = merge_parts(request.merge, *study);
     if (!merged) return complain(merged.error()), wrong_input;
     for (const auto& [missing, why] : merged->missing)
-      print_error(fmt::format("skein: part {} of {}: {}: {} --part {}/{} --into {}\n", missing.index, missing.of, why,
-                              sweep_command(request), missing.index, missing.of, quoted(request.merge)));
+      complain(fmt::format("part {} of {}: {}: {} --part {}/{} --into {}", missing.index, missing.of, why,
+                           sweep_command(request), missing.index, missing.of, quoted(request.merge)));
     if (!merged->missing.empty()) {
       complain(fmt::format("{} of {} parts are missing: compute them, and merge again", merged->missing.size(),
                            merged->parts));
@@ -137,7 +138,7 @@ int sweep(const SweepRequest& request) {
       if (!interrupted())
         outcomes.compared.push_back({name, sweep(compared_study(*study, name), threads, progress, false, part)});
   }
-  if (shown) print_error("\r\033[K");
+  if (live) print_error_as_is("\r\033[K");
 
   if (!request.part.empty()) {
     if (interrupted())
@@ -147,7 +148,7 @@ int sweep(const SweepRequest& request) {
       return complain(saved.error()), wrong_input;
     if (!request.quiet)
       fmt::print("part: {} of {}\nruns: {}\nkept: {}\n", part.index, part.of, outcomes.study.size(),
-                 part_file(request.into, part));
+                 shown(part_file(request.into, part)));
     return done;
   }
   // The results first: they are there also where the figures cannot be drawn.
@@ -157,11 +158,13 @@ int sweep(const SweepRequest& request) {
       return complain(report.error()), wrong_input;
   const SweepSummary summary = summarise(*study, outcomes.study, outcomes.control);
   auto compared = summaries_of_compared(*study, outcomes);
-  if (request.only && !request.quiet && !request.json) fmt::print("command: {}\n", run_command(*study, *request.only));
-  if (!request.quiet) fmt::print("{}", request.json ? as_json(summary, compared) + "\n" : as_lines(summary));
+  if (request.only && !request.quiet && !request.json)
+    fmt::print("command: {}\n", shown(run_command(*study, *request.only)));
+  if (!request.quiet)
+    fmt::print("{}", request.json ? as_json(summary, compared) + "\n" : shown_lines(as_lines(summary)));
   if (!compared.empty() && !request.quiet && !request.json) {
     compared.emplace(compared.begin(), summary.name, summary);
-    fmt::print("{}", as_table(compared));
+    fmt::print("{}", shown_lines(as_table(compared)));
   }
 
   std::vector<std::string> sentences = failed_expectations(study->expect, summary);
@@ -178,8 +181,7 @@ int sweep(const SweepRequest& request) {
   SweepRequest again;  // one run: neither their number nor the first seed
   again.file = request.file, again.sets = request.sets;
   if (!sentences.empty() && !summary.bad_seeds.empty() && !request.only)
-    print_error(
-        fmt::format("skein: to repeat one of these: {} --only {}\n", sweep_command(again), summary.bad_seeds.front()));
+    complain(fmt::format("to repeat one of these: {} --only {}", sweep_command(again), summary.bad_seeds.front()));
   return sentences.empty() ? done : expectation_failed;
 }
 

@@ -18,6 +18,7 @@
 #include "app/run/histogram.h"
 #include "app/run/interrupted.h"
 #include "app/run/output.h"
+#include "app/run/terminal_text.h"
 #include "core/words.h"
 #include "vision/sources/open_source.h"
 #include "vision/tags/tag_family.h"
@@ -35,7 +36,7 @@ std::string read_calibration(const TrackRequest& request, vision::TrackOptions& 
     options.calibration = std::move(*calibration);
     const auto& [width, height] = std::pair(options.calibration->width, options.calibration->height);
     if (!request.words.size.empty() && (options.camera.width != width || options.camera.height != height))
-      return fmt::format("skein: --size {}: {} holds for {}x{}", request.words.size, request.camera, width, height);
+      return fmt::format("--size {}: {} holds for {}x{}", request.words.size, request.camera, width, height);
     return {};
   }
   if (!request.tracker) return {};
@@ -54,9 +55,9 @@ std::string read_calibration(const TrackRequest& request, vision::TrackOptions& 
 
 void report(const vision::TrackSummary& summary) {
   for (const std::string& notice : summary.status.notices) complain(notice);
-  if (summary.status.outages > 0) print_error(fmt::format("skein: the last outage: {}\n", summary.status.reason));
+  if (summary.status.outages > 0) complain(fmt::format("the last outage: {}", summary.status.reason));
   if (!summary.why_no_tag.empty()) complain(summary.why_no_tag);
-  for (const std::string& skipped : summary.skipped) print_error(fmt::format("skein: skipped {}\n", skipped));
+  for (const std::string& skipped : summary.skipped) complain(fmt::format("skipped {}", skipped));
 }
 
 void print_end(std::FILE* out, const TrackRequest& request, const vision::TrackSummary& summary) {
@@ -101,7 +102,7 @@ void print_counters(std::FILE* out, const vision::TrackTrackerSummary& summary) 
   const auto part = [&](const char* name, std::int64_t count, const char* what) {
     fmt::print(out, "  {:<12}{:>8}  {}\n", name, count, what);
   };
-  fmt::print(out, "source: {}\nframes: {}\nfollowed: {}\nids: {}\nposes: {}\n", summary.track.source,
+  fmt::print(out, "source: {}\nframes: {}\nfollowed: {}\nids: {}\nposes: {}\n", shown(summary.track.source),
              summary.track.frames, fmt::join(summary.followed, " "), fmt::join(summary.track.ids, " "),
              summary.track.detections);
   part("detected", summary.detected, "for the first time");
@@ -125,8 +126,8 @@ int track(const TrackRequest& request) {
   if (request.list_controls) {
     if (const auto camera = vision::parse_source(request.source); camera && camera->live())
       return list_cameras(request.source);
-    print_error(fmt::format("skein: {} is not a camera; allowed with --list-controls: v4l2:DEVICE, aravis:CAMERA\n",
-                            request.source));
+    complain(
+        fmt::format("{} is not a camera; allowed with --list-controls: v4l2:DEVICE, aravis:CAMERA", request.source));
     return wrong_input;
   }
   vision::TrackOptions options;
@@ -145,7 +146,7 @@ int track(const TrackRequest& request) {
     return wrong_input;
   }
   if (const std::string wrong = read_calibration(request, options); !wrong.empty()) {
-    print_error(wrong + "\n");
+    complain_lines(wrong);
     return wrong_input;
   }
   if (options.calibration) options.camera.readout = options.calibration->readout();
@@ -157,7 +158,7 @@ int track(const TrackRequest& request) {
   if (!request.csv.empty()) {
     file.open(request.csv, std::ios::binary | std::ios::trunc);
     if (!file) {
-      print_error(fmt::format("skein: {}: cannot be written\n", request.csv));
+      complain(fmt::format("{}: cannot be written", request.csv));
       return wrong_input;
     }
   }
@@ -167,7 +168,7 @@ int track(const TrackRequest& request) {
   if (options.calibration) options.notes["CALIBRATION"] = format_calibration(*options.calibration);
   const bool show_progress = !request.quiet && isatty(STDERR_FILENO) != 0;
   options.keep_going = [&](std::int64_t frames) {
-    if (show_progress && frames > 0 && frames % 10 == 0) print_error(fmt::format("\r\033[K{} frames", frames));
+    if (show_progress && frames > 0 && frames % 10 == 0) print_error_as_is(fmt::format("\r\033[K{} frames", frames));
     return !interrupted();
   };
 
@@ -178,7 +179,7 @@ int track(const TrackRequest& request) {
     with_tracker.crops = request.crops;
     with_tracker.latency = [&](const vision::FrameLatency& frame) { latencies.add(frame); };
     with_tracker.tell = [&](const std::string& sentence) {
-      if (show_progress) print_error("\r\033[K");
+      if (show_progress) print_error_as_is("\r\033[K");
       complain(sentence);
     };
     summary = vision::track_with_tracker(with_tracker);
@@ -189,7 +190,7 @@ int track(const TrackRequest& request) {
     else
       summary = tl::unexpected(plain.error());
   }
-  if (show_progress) print_error("\r\033[K");
+  if (show_progress) print_error_as_is("\r\033[K");
   if (!summary) {
     complain(summary.error());
     return device_failed;
@@ -201,7 +202,7 @@ int track(const TrackRequest& request) {
     if (request.tracker)
       print_counters(out, *summary);
     else
-      fmt::print(out, "source: {}\nframes: {}\ndetections: {}\nids: {}\nskipped: {}\n", summary->track.source,
+      fmt::print(out, "source: {}\nframes: {}\ndetections: {}\nids: {}\nskipped: {}\n", shown(summary->track.source),
                  summary->track.frames, summary->track.detections, fmt::join(summary->track.ids, " "),
                  summary->track.skipped.size());
     print_end(out, request, summary->track);

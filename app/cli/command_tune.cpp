@@ -41,11 +41,11 @@ int tune(const TuneRequest& request) {
   std::int64_t told = 0;
   const auto progress = [&](std::int64_t made) {
     if (shown && made != told)
-      print_error(fmt::format("\r\033[K{} of at most {} runs", told = made, most_runs(*study)));
+      print_error_as_is(fmt::format("\r\033[K{} of at most {} runs", told = made, most_runs(*study)));
     return !interrupted();
   };
   const auto tuned = tune(*study, request.threads > 0 ? request.threads : usable_cores(), progress);
-  if (shown) print_error("\r\033[K");
+  if (shown) print_error_as_is("\r\033[K");
   const auto give_up = [&](const std::string& why, int status) {
     if (std::error_code ignored; !request.save.empty()) std::filesystem::remove(request.save, ignored);
     return complain(why), status;

@@ -6,6 +6,7 @@
 #include "app/experiment/toml_edit.h"
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
+#include "app/run/terminal_text.h"
 
 namespace skein::app {
 
@@ -32,7 +33,7 @@ int save_keys(const std::string& file, const std::vector<std::pair<std::string, 
     complain(saved.error());
     return wrong_input;
   }
-  fmt::print("# saved in {}\n", file);
+  fmt::print("# saved in {}\n", shown(file));
   return done;
 }
 
@@ -43,7 +44,7 @@ int save_found(const std::string& file, const std::vector<FoundRobot>& robots) {
     return wrong_input;
   }
   for (const std::string& problem : saved->problems) complain(problem);
-  if (saved->changed) fmt::print("# saved in {}\n", file);
+  if (saved->changed) fmt::print("# saved in {}\n", shown(file));
   return done;
 }
 

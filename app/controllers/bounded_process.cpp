@@ -288,7 +288,7 @@ void BoundedProcess::drain(const std::stop_token& stop, bool prints) {
     const std::string_view text(block.data(), static_cast<std::size_t>(n));
     if (prints && printed < most_printed) {
       printed += text.size();
-      print_error(std::string(text));
+      print_error_as_is(text);
       if (printed >= most_printed) print_error("\nskein: further output of the controller is not shown\n");
     }
     const std::lock_guard lock(mutex_);

@@ -19,6 +19,7 @@
 #include <sstream>
 
 #include "app/calibration/calibration_file.h"
+#include "app/run/terminal_text.h"
 #include "app/runs/run_index.h"
 #include "comms/link_address.h"
 #include "vision/calibration/calibration.h"
@@ -592,8 +593,8 @@ std::string as_line(const Finding& finding) {
       word = "ILL ";
       break;
   }
-  return fmt::format("{}  {}: {}{}{}\n", word, finding.what, finding.found, finding.remedy.empty() ? "" : " -> ",
-                     finding.remedy);
+  return fmt::format("{}  {}: {}{}{}\n", word, shown(finding.what), shown(finding.found),
+                     finding.remedy.empty() ? "" : " -> ", shown(finding.remedy));
 }
 
 }  // namespace skein::app

@@ -11,7 +11,7 @@ struct Problem {
   int line = 0, column = 0;  ///< from 1; 0: no place in a file
   std::string text;          ///< "controller.v_max: found -1, allowed: a number above 0 m/s"
 
-  std::string message() const;  ///< "file:line:column: text"
+  std::string message() const;  ///< "file:line:column: text", in one line as a terminal may show it
 };
 
 /// All of them, a line each.

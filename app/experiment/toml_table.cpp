@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "app/run/nearest_word.h"
+#include "app/run/terminal_text.h"
 
 namespace skein::app {
 namespace {
@@ -41,7 +42,7 @@ tl::expected<toml::table, std::vector<Problem>> parse_toml(std::string_view text
 }
 
 std::string Problem::message() const {
-  return line > 0 ? fmt::format("{}:{}:{}: {}", file, line, column, text) : fmt::format("{}: {}", file, text);
+  return shown(line > 0 ? fmt::format("{}:{}:{}: {}", file, line, column, text) : fmt::format("{}: {}", file, text));
 }
 
 std::string messages(const std::vector<Problem>& problems) {

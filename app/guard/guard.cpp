@@ -27,6 +27,7 @@
 #include "app/run/exit_status.h"
 #include "app/run/memory_lock.h"
 #include "app/run/output.h"
+#include "app/run/terminal_text.h"
 #include "comms/protocol.h"
 #include "comms/watchdog.h"
 
@@ -42,7 +43,7 @@ constexpr std::int64_t answers_within = 1'000'000'000;  // of robots whose run h
 constexpr std::int64_t tell_after = 10'000'000'000;     // that a robot has not been reached [ns]
 
 void tell(const std::string& sentence) {
-  print_error("skein guard: " + sentence + "\n");
+  print_error("skein guard: " + shown(sentence) + "\n");
 }
 
 /// A duplicate of a line of the run.

@@ -20,6 +20,7 @@
 #include "app/guard/safety_net.h"
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
+#include "app/run/terminal_text.h"
 #include "comms/link_supervisor.h"
 
 namespace skein::app {
@@ -161,7 +162,7 @@ int stop_runs() {
     if (!answer.reached) continue;
     ++reached;
     if (answer.robots) {
-      print_out(fmt::format("the run \"{}\" is stopped\n", runs[i].experiment));
+      print_out(fmt::format("the run \"{}\" is stopped\n", shown(runs[i].experiment)));
       for (const StopResult& robot : *answer.robots) {
         say(robot);
         if (!robot.stopped) status = device_failed;
@@ -170,7 +171,7 @@ int stop_runs() {
       complain(fmt::format("the run \"{}\" does not respond to STOP: `skein robots stop` ends it", runs[i].experiment));
       status = device_failed;
     } else {
-      print_out(fmt::format("the run \"{}\" has ended\n", runs[i].experiment));
+      print_out(fmt::format("the run \"{}\" has ended\n", shown(runs[i].experiment)));
     }
   }
   if (reached == 0) print_out("no run is active\n");
@@ -182,7 +183,7 @@ int forget_runs() {
     if (run.alive()) continue;
     ask_run(run.socket(), "forget", hears_within);
     run.dismiss();
-    print_out(fmt::format("the run \"{}\" is forgotten:", run.experiment));
+    print_out(fmt::format("the run \"{}\" is forgotten:", shown(run.experiment)));
     for (const comms::LinkAddress& robot : run.robots) print_out(" " + comms::to_text(robot));
     print_out("\n");
   }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "app/run/nearest_word.h"
+#include "app/run/terminal_text.h"
 
 namespace skein::app {
 namespace {
@@ -139,7 +140,7 @@ std::optional<std::string> misplaced(const CLI::App& program) {
 void say_mistakes_plainly(CLI::App& program) {
   program.failure_message([](const CLI::App* app, const CLI::Error& error) {
     const auto* const parsed = dynamic_cast<const CLI::ParseError*>(&error);
-    return (parsed != nullptr ? what_is_wrong(*app, *parsed) : std::string(error.what())) + "\n";
+    return shown(parsed != nullptr ? what_is_wrong(*app, *parsed) : std::string(error.what())) + "\n";
   });
   for (CLI::Option* option : program.get_options([](const CLI::Option* o) { return o->get_expected_max() == 0; }))
     if (option->get_lnames() != std::vector<std::string>{"help"})

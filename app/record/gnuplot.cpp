@@ -56,6 +56,7 @@ Done gnuplot(const std::string& directory, const char* argument) {
   if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return {};
   said.erase(0, std::min(said.find_first_not_of(" \n"), said.size()));
   said.erase(said.find_last_not_of(" \n") + 1);
+  std::replace(said.begin(), said.end(), '\n', ' ');
   const std::string end = WIFEXITED(status) ? fmt::format("ended with status {}", WEXITSTATUS(status))
                                             : fmt::format("was killed by signal {}", WTERMSIG(status));
   return tl::unexpected(fmt::format("gnuplot {}{}{}", end, said.empty() ? "" : ": ", said));

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/record/statistics.h"
+#include "app/run/terminal_text.h"
 
 namespace skein::app {
 namespace {
@@ -146,7 +147,7 @@ Json json(const Statistics::Summary& s) {
 /// Values as people read them: texts without quotes, "none" where there is no value.
 std::string text(const Json& value) {
   if (value.is_null()) return "none";
-  if (value.is_string()) return value.get<std::string>();
+  if (value.is_string()) return shown(value.get<std::string>());
   if (!value.is_array()) return value.dump();
   std::string list;
   for (const Json& element : value) list += (list.empty() ? "" : " ") + text(element);

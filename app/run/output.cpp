@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "app/run/output_error.h"
+#include "app/run/terminal_text.h"
 
 namespace skein::app {
 namespace {
@@ -90,13 +91,25 @@ Stream& stream(int descriptor) noexcept {
   return descriptor == STDOUT_FILENO ? *out : *error;
 }
 
+void print_shown(int descriptor, std::string_view text, double patience) noexcept {
+  try {
+    stream(descriptor).print(shown_lines(text), patience);
+  } catch (...) {  // no memory
+  }
+}
+
 }  // namespace
 
 void print_out(std::string_view text, double patience) noexcept {
+  if (::isatty(STDOUT_FILENO) != 0) return print_shown(STDOUT_FILENO, text, patience);
   stream(STDOUT_FILENO).print(text, patience);
 }
 
 void print_error(std::string_view text, double patience) noexcept {
+  print_shown(STDERR_FILENO, text, patience);
+}
+
+void print_error_as_is(std::string_view text, double patience) noexcept {
   stream(STDERR_FILENO).print(text, patience);
 }
 
@@ -109,9 +122,15 @@ int output_error() noexcept {
 
 void complain(std::string_view sentence) noexcept {
   try {
-    print_error("skein: " + std::string(sentence) + "\n");
+    complain_lines(shown(sentence));
+  } catch (...) {  // no memory
+  }
+}
+
+void complain_lines(std::string_view sentences) noexcept {
+  try {
+    print_error("skein: " + std::string(sentences) + "\n");
   } catch (...) {
-    print_error(sentence);
   }
 }
 

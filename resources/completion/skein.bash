@@ -19,6 +19,8 @@ _skein() {
   while IFS= read -r line; do
     if [[ $line == @files ]]; then files=1; else line=${line%%$'\t'*}; COMPREPLY+=("${line#"$before"}"); fi
   done < <("${COMP_WORDS[0]}" complete "${words[@]}" 2>/dev/null)
+  # A name of a run or a robot is a word of the command line, whatever is in it: '$(reboot)' is no command.
+  for i in "${!COMPREPLY[@]}"; do printf -v "COMPREPLY[i]" %q "${COMPREPLY[i]}"; done
   if ((files)); then
     compopt -o filenames 2>/dev/null
     while IFS= read -r line; do COMPREPLY+=("$line"); done < <(compgen -f -- "$current")

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <regex>
 #include <sstream>
 #include <string>
 
@@ -281,6 +282,64 @@ TEST_F(Mistakes, GainsAndKeptRunsAreCompleted) {
                   "$skein check e.toml --set controller.$gain=0.0001 || exit; done"),
             0)
       << "each is a key of the file: " << said;
+}
+
+/// A terminal obeys what a name contains: it must not clear the screen, hide a line or pretend to be one of the
+/// program's.
+TEST_F(Mistakes, NoNameIsObeyedByTheTerminal) {
+  const std::string in_shell = R"(ill=$(printf '\033[2J\302\2332J\342\200\256\nskein: all is well\377'); )";
+  const auto good = [&](const char* where) {
+    for (const std::string& text : {said, out}) {
+      EXPECT_EQ(text.find('\x1b'), std::string::npos) << where << text;
+      EXPECT_EQ(text.find("\u202e"), std::string::npos) << where << text;
+      EXPECT_EQ(text.find("\u009b"), std::string::npos) << where << text;
+      EXPECT_EQ(text.find('\xff'), std::string::npos) << where << text;
+      EXPECT_THAT("\n" + text, Not(HasSubstr("\nskein: all is well"))) << where;
+    }
+    EXPECT_THAT(said + out, HasSubstr(R"(\u009b2J\u202e)")) << where;
+  };
+  for (const char* const words :
+       {"run \"$ill\"", "check e.toml --set \"$ill=1\"", "doctor --seconds 0 \"$ill\"", "replay \"$ill.csv\"",
+        "\"$ill\"", "runs show \"$ill\" --runs-dir runs", "robots stop \"$ill\"", "robots list --file \"$ill\"",
+        "guard \"$ill\"", "tags \"$ill\"", "track \"$ill\"", "sweep \"$ill\"", "tune \"$ill\"", "identify \"$ill\"",
+        "export \"$ill\" --to csv"}) {
+    EXPECT_NE(shell(in_shell + "$skein " + words), 0) << words;
+    good(words);
+  }
+  const std::string name = R"(name = "\u009b2J\u202e")";
+  write("robots.toml", "[[robot]]\n" + name + "\nlink = \"serial:/dev/nowhere\"\nmodel = \"epuck2\"\ntag = 1\n");
+  EXPECT_EQ(shell("$skein robots list --file robots.toml"), 0) << said;
+  good("robots list");
+  write("e.toml", std::regex_replace(read("e.toml"), std::regex("\nname = .*"), "\n" + name));
+  EXPECT_EQ(shell("$skein run e.toml --duration 1 --set expect={}"), 0) << said;
+  good("the summary");
+  EXPECT_EQ(shell("$skein run e.toml --duration 1 --set expect={} --json"), 0) << said;
+  EXPECT_THAT(out, AllOf(HasSubstr("\u009b2J"), HasSubstr("\u202e"))) << "JSON keeps its letters";
+}
+
+TEST_F(Mistakes, TablesOfRunsAreAlignedInAllLanguages) {
+  keep_run("Käfer", "2026-11-01T12:00:00.000+01:00", 0);
+  keep_run("機器人", "2026-11-01T12:00:01.000+01:00", 0);
+  keep_run("e\xcc\x81te\xcc\x81", "2026-11-01T12:00:02.000+01:00", 0);
+  EXPECT_EQ(shell("$skein runs list --runs-dir runs --show state,collisions"), 0) << said;
+  EXPECT_EQ(out,
+            "run     state     collisions\n"
+            "Käfer   finished  0\n"
+            "機器人  finished  0\n"
+            "e\xcc\x81te\xcc\x81     finished  0\n");
+}
+
+/// Enter behind a completed name would else run what is in it.
+TEST_F(Mistakes, ACompletedNameIsNoCommand) {
+  for (const char* const name : {"$(touch owned)", "a;touch owned", "a b", "`touch owned`", "it's"})
+    keep_run(name, "2026-11-01T12:00:00.000+01:00", 0);
+  write("complete.bash", "source '" + skein::test::in_source("resources/completion/skein.bash") +
+                             "'\nCOMP_WORDS=(\"$1\" runs show '') COMP_CWORD=3\n_skein\n"
+                             "for word in \"${COMPREPLY[@]}\"; do eval \"set -- $word\"; echo \"$#: $1\"; done\n");
+  EXPECT_EQ(shell("export SKEIN_RUNS=$PWD/runs; bash complete.bash \"$skein\""), 0) << said;
+  EXPECT_FALSE(exists("owned"));
+  for (const char* const name : {"$(touch owned)", "a;touch owned", "a b", "`touch owned`", "it's", "last"})
+    EXPECT_THAT(out, HasSubstr("1: " + std::string(name) + "\n"));
 }
 
 /// Else `last` would be a run that nobody made.

@@ -1,0 +1,120 @@
+#include "app/run/terminal_text.h"
+
+#include <fmt/format.h>
+#include <locale.h>  // NOLINT(modernize-deprecated-headers): newlocale is of POSIX
+#include <wchar.h>   // NOLINT(modernize-deprecated-headers): so is wcwidth
+
+#include <algorithm>
+#include <iterator>
+#include <optional>
+
+namespace skein::app {
+namespace {
+
+struct Letter {
+  std::optional<char32_t> code;  ///< none: the byte is no UTF-8
+  std::string_view bytes;
+};
+
+/// The first letter of a text that is not empty.
+Letter first_letter(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned char head = byte(0);
+  const std::size_t size = head < 0x80 ? 1 : head >= 0xf0 ? 4 : head >= 0xe0 ? 3 : 2;
+  const Letter none{{}, text.substr(0, 1)};
+  if (size == 1) return {head, text.substr(0, 1)};
+  if (head < 0xc2 || head > 0xf4 || text.size() < size) return none;
+  char32_t code = head & (0x7fU >> size);
+  for (std::size_t i = 1; i < size; ++i) {
+    if ((byte(i) & 0xc0U) != 0x80U) return none;
+    code = code << 6U | (byte(i) & 0x3fU);
+  }
+  constexpr char32_t smallest[] = {0, 0, 0x80, 0x800, 0x10000};  // NOLINT(modernize-avoid-c-arrays)
+  if (code < smallest[size] || code > 0x10ffff || (code >= 0xd800 && code < 0xe000)) return none;
+  return {code, text.substr(0, size)};
+}
+
+/// What a terminal obeys, or what changes the order of a line: not joiners, which several scripts are written with.
+bool is_control(char32_t code) {
+  const auto within = [&](char32_t first, char32_t last) { return code >= first && code <= last; };
+  return code < 0x20 || within(0x7f, 0x9f) || code == 0x61c || code == 0x200b || within(0x200e, 0x200f) ||
+         within(0x2028, 0x202e) || within(0x2060, 0x206f) || code == 0xfeff || within(0xfff9, 0xfffb) ||
+         within(0xe0000, 0xe007f);
+}
+
+std::string escaped(std::string_view text, bool one_line) {
+  std::string result;
+  result.reserve(text.size());
+  while (!text.empty()) {
+    const auto [code, bytes] = first_letter(text);
+    text.remove_prefix(bytes.size());
+    if (!code)
+      fmt::format_to(std::back_inserter(result), "\\x{:02x}", static_cast<unsigned char>(bytes[0]));
+    else if (!is_control(*code) || (!one_line && (*code == '\n' || *code == '\t')))
+      result += bytes;
+    else if (*code == '\n' || *code == '\t' || *code == '\r')
+      result += *code == '\n' ? "\\n" : *code == '\t' ? "\\t" : "\\r";
+    else if (*code > 0xffff)
+      fmt::format_to(std::back_inserter(result), "\\U{:08x}", static_cast<unsigned>(*code));
+    else
+      fmt::format_to(std::back_inserter(result), "\\u{:04x}", static_cast<unsigned>(*code));
+  }
+  return result;
+}
+
+/// The C library knows the widths of letters in a locale of UTF-8 only; the program itself runs in "C".
+class LettersOfUtf8 {
+ public:
+  LettersOfUtf8() noexcept : before_(::uselocale(locale())) {}
+  LettersOfUtf8(const LettersOfUtf8&) = delete;
+  LettersOfUtf8& operator=(const LettersOfUtf8&) = delete;
+  ~LettersOfUtf8() { ::uselocale(before_); }
+
+ private:
+  static locale_t locale() noexcept {
+    static const locale_t utf8 = ::newlocale(LC_CTYPE_MASK, "C.UTF-8", nullptr);
+    return utf8;
+  }
+  locale_t before_;
+};
+
+}  // namespace
+
+std::string shown(std::string_view text) {
+  return escaped(text, true);
+}
+
+std::string shown_lines(std::string_view text) {
+  return escaped(text, false);
+}
+
+std::size_t columns(std::string_view text) {
+  const LettersOfUtf8 letters;
+  std::size_t result = 0;
+  while (!text.empty()) {
+    const auto [code, bytes] = first_letter(text);
+    text.remove_prefix(bytes.size());
+    const int width = ::wcwidth(static_cast<wchar_t>(code.value_or(U'?')));
+    result += width < 0 ? 1 : static_cast<std::size_t>(width);
+  }
+  return result;
+}
+
+std::string table(std::vector<std::vector<std::string>> rows) {
+  std::vector<std::size_t> widths;
+  for (auto& row : rows) {
+    widths.resize(std::max(widths.size(), row.size()));
+    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], columns(row[i] = shown(row[i])));
+  }
+  std::string out;
+  for (const auto& row : rows) {
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      out += row[i];
+      if (i + 1 < row.size()) out.append(widths[i] - columns(row[i]) + 2, ' ');
+    }
+    out += '\n';
+  }
+  return out;
+}
+
+}  // namespace skein::app
