@@ -36,7 +36,7 @@ std::string read_calibration(const TrackRequest& request, vision::TrackOptions& 
     options.calibration = std::move(*calibration);
     const auto& [width, height] = std::pair(options.calibration->width, options.calibration->height);
     if (!request.words.size.empty() && (options.camera.width != width || options.camera.height != height))
-      return fmt::format("--size {}: {} holds for {}x{}", request.words.size, request.camera, width, height);
+      return fmt::format("skein: --size {}: {} holds for {}x{}", request.words.size, request.camera, width, height);
     return {};
   }
   if (!request.tracker) return {};
@@ -146,7 +146,7 @@ int track(const TrackRequest& request) {
     return wrong_input;
   }
   if (const std::string wrong = read_calibration(request, options); !wrong.empty()) {
-    complain_lines(wrong);
+    print_error(wrong + "\n");
     return wrong_input;
   }
   if (options.calibration) options.camera.readout = options.calibration->readout();
