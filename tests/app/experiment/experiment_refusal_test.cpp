@@ -36,7 +36,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"\n  name = 3", "e.toml:2:10: name: found 3, allowed: a text in quotes"},
         Refused{"name = ''", "e.toml:1:8: name: found \"\", allowed: 1 to 100 characters in one line"},
         Refused{"[camera]\ntrigger = 'Line\t0'",
-                "e.toml:2:11: camera.trigger: found \"Line\t0\", allowed: 0 to 100 characters in one line"},
+                "e.toml:2:11: camera.trigger: found \"Line\\t0\", allowed: 0 to 100 characters in one line"},
         Refused{"name = 'a\\nb'\nname2 = 1",
                 "e.toml:2:1: name2: unknown key; did you mean name? allowed: name, duration, rate, seed, robots_file, "
                 "arena"},
