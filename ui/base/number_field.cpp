@@ -1,11 +1,14 @@
 #include "ui/base/number_field.h"
 
 #include <QLineEdit>
+#include <QRegularExpression>
 #include <QStyle>
 #include <QStyleOptionSpinBox>
+#include <algorithm>
 #include <cmath>
 
 #include "ui/base/number_text.h"
+#include "ui/base/tr.h"
 
 namespace skein::ui {
 namespace {
@@ -15,9 +18,18 @@ constexpr double largest_number = 1e6;
 }  // namespace
 
 std::optional<double> parse_number(const QString& text) {
+  if (!two_readings(text).isEmpty()) return std::nullopt;
   bool is_number = false;
   const double number = text.trimmed().replace(QLatin1Char(','), QLatin1Char('.')).toDouble(&is_number);
   return is_number && std::isfinite(number) ? std::optional(number) : std::nullopt;
+}
+
+QString two_readings(const QString& text) {
+  static const QRegularExpression either(QStringLiteral("^([+-]?[1-9]\\d{0,2}),(\\d{3})$"));
+  const QRegularExpressionMatch match = either.match(text.trimmed());
+  if (!match.hasMatch()) return {};
+  const QString whole = match.captured(1), rest = match.captured(2);
+  return tr("%1 may mean %2.%3 or %2%3: type one of these").arg(match.captured(0), whole, rest);
 }
 
 NumberField::NumberField(QWidget* parent) : QDoubleSpinBox(parent) {
@@ -26,6 +38,7 @@ NumberField::NumberField(QWidget* parent) : QDoubleSpinBox(parent) {
 }
 
 QString NumberField::number_in(const QString& text) const {
+  if (!specialValueText().isEmpty() && text == specialValueText()) return textFromValue(minimum());
   QString number = text;
   if (!suffix().isEmpty() && number.endsWith(suffix())) number.chop(suffix().size());
   return number.trimmed();
@@ -43,13 +56,23 @@ QValidator::State NumberField::validate(QString& input, int&) const {
   return QValidator::Intermediate;
 }
 
+/// Called where typing ends with a text that is not a number: the value stays as it was.
+void NumberField::fixup(QString& input) const {
+  const QString number = number_in(input);
+  if (number.isEmpty()) return;
+  const QString readings = two_readings(number);
+  emit refused(readings.isEmpty() ? tr("found %1, allowed: a number").arg(number) : readings);
+}
+
 double NumberField::valueFromText(const QString& text) const {
   return parse_number(number_in(text)).value_or(value());
 }
 
 QSize NumberField::sizeHint() const {
   const QString usual = textFromValue(0.0) + suffix() + QLatin1Char(' ');
-  const QSize text(fontMetrics().horizontalAdvance(usual) + 2, lineEdit()->sizeHint().height());
+  const int widest =
+      std::max(fontMetrics().horizontalAdvance(usual), fontMetrics().horizontalAdvance(specialValueText()));
+  const QSize text(widest + 2, lineEdit()->sizeHint().height());
   QStyleOptionSpinBox option;
   initStyleOption(&option);
   return style()->sizeFromContents(QStyle::CT_SpinBox, &option, text, this);

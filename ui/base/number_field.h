@@ -5,8 +5,12 @@
 
 namespace skein::ui {
 
-/// A number as people type it, with either decimal sign; empty: it is not a number.
+/// A number as people type it, with either decimal sign; empty: it is not a number, or it is one of two.
 std::optional<double> parse_number(const QString& text);
+
+/// Of "1,000", whose comma may be a decimal sign or separate thousands: a sentence that names both numbers. Empty: the
+/// text cannot be read in two ways.
+QString two_readings(const QString& text);
 
 /// A spin box that accepts any typed number: the code that uses it clamps values that are too large or too small, and
 /// reports that. Qt's own box discards digits that would leave its range: "0.3" becomes 0 where the maximum is 0.17.
@@ -19,12 +23,16 @@ class NumberField final : public QDoubleSpinBox {
 
   QValidator::State validate(QString& input, int& position) const override;
   double valueFromText(const QString& text) const override;
+  void fixup(QString& input) const override;
   QString textFromValue(double value) const override;
   QSize sizeHint() const override;  ///< for usual numbers, not for the largest that can be typed
   QSize minimumSizeHint() const override { return sizeHint(); }
 
+ signals:
+  void refused(const QString& why) const;  ///< what was typed is not a number, or one of two
+
  private:
-  QString number_in(const QString& text) const;  // without the suffix
+  QString number_in(const QString& text) const;  // without the suffix; of words that stand for a number, this number
 };
 
 }  // namespace skein::ui

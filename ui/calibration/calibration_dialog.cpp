@@ -193,13 +193,16 @@ QWidget* CalibrationDialog::build_form() {
   columns_ =
       number<QSpinBox>(box, QStringLiteral("calibration_columns"), tr("Columns of squares"), 3, 100, usual.columns);
   rows_ = number<QSpinBox>(box, QStringLiteral("calibration_rows"), tr("Rows of squares"), 3, 100, usual.rows);
-  square_ = number<QDoubleSpinBox>(box, QStringLiteral("calibration_square"), tr("Edge of a square in millimetres"), 1,
-                                   500, 1000 * usual.square);
-  marker_ = number<QDoubleSpinBox>(box, QStringLiteral("calibration_marker"), tr("Edge of a marker in millimetres"), 1,
-                                   500, 1000 * usual.marker);
-  for (QDoubleSpinBox* millimetres : {square_, marker_}) {
+  square_ = number<NumberField>(box, QStringLiteral("calibration_square"), tr("Edge of a square in millimetres"), 1,
+                                500, 1000 * usual.square);
+  marker_ = number<NumberField>(box, QStringLiteral("calibration_marker"), tr("Edge of a marker in millimetres"), 1,
+                                500, 1000 * usual.marker);
+  for (NumberField* millimetres : {square_, marker_}) {
     millimetres->setSuffix(tr(" mm"));
     millimetres->setToolTip(tr("As measured on the printed sheet, see skein tags board"));
+    connect(millimetres, &NumberField::refused, this, [this, millimetres](const QString& why) {
+      advice_->setText(tr("%1: %2").arg(millimetres->accessibleName(), why));
+    });
   }
   look_->setObjectName(QStringLiteral("calibration_look"));
   look_->setAutoDefault(false);

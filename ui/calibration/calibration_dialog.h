@@ -3,7 +3,6 @@
 #include <QAbstractTableModel>
 #include <QComboBox>
 #include <QDialog>
-#include <QDoubleSpinBox>
 #include <QLabel>
 #include <QLineEdit>
 #include <QPushButton>
@@ -14,6 +13,7 @@
 #include <memory>
 
 #include "app/tools/camera_calibration.h"
+#include "ui/base/number_field.h"
 #include "ui/base/palette.h"
 #include "ui/calibration/calibration_picture.h"
 #include "ui/calibration/floor_page.h"
@@ -80,7 +80,7 @@ class CalibrationDialog final : public QDialog {
   QLineEdit *source_, *size_, *file_;
   QComboBox* kind_;
   QSpinBox *columns_, *rows_;
-  QDoubleSpinBox *square_, *marker_;
+  NumberField *square_, *marker_;
   QPushButton *look_, *remove_, *save_;
   QLabel *advice_, *result_;
   QTableView* table_;

@@ -7,7 +7,6 @@
 #include <chrono>
 #include <cmath>
 
-#include "ui/base/number_field.h"
 #include "ui/base/number_text.h"
 
 namespace skein::ui {
@@ -24,8 +23,8 @@ QPushButton* button(QWidget* parent, const QString& text, const QString& name, c
   return made;
 }
 
-QDoubleSpinBox* millimetres(QWidget* parent, const QString& name, const QString& spoken, double value) {
-  auto* box = new QDoubleSpinBox(parent);
+NumberField* millimetres(QWidget* parent, const QString& name, const QString& spoken, double value) {
+  auto* box = new NumberField(parent);
   box->setObjectName(name);
   box->setAccessibleName(spoken);
   box->setRange(1.0, 1000.0);
@@ -93,8 +92,15 @@ bool FloorModel::setData(const QModelIndex& index, const QVariant& value, int ro
   constexpr double farthest = 100.0;  // [m]
   const bool is_id = index.column() == id;
   if (!typed || std::abs(number) > (is_id ? app::FloorTag::largest_id : farthest) ||
-      (is_id && (number < 0 || number != std::floor(number))))
+      (is_id && (number < 0 || number != std::floor(number)))) {
+    const QString readings = two_readings(value.toString());
+    const QString allowed = is_id ? tr("a whole number from 0 to %1").arg(app::FloorTag::largest_id)
+                                  : tr("a number from -%1 to %1").arg(farthest);
+    emit refused(tr("%1: %2").arg(
+        headerData(index.column(), Qt::Horizontal, Qt::DisplayRole).toString(),
+        readings.isEmpty() ? tr("found %1, allowed: %2").arg(value.toString().trimmed(), allowed) : readings));
     return false;
+  }
   app::FloorTag& tag = tags_[static_cast<std::size_t>(index.row())];
   if (is_id)
     tag.id = static_cast<int>(number);
@@ -159,6 +165,10 @@ FloorPage::FloorPage(QWidget* parent)
   layout->addWidget(look_);
   layout->addWidget(result_);
   connect(add_, &QPushButton::clicked, this, [this] { tags_.add(); });
+  connect(&tags_, &FloorModel::refused, result_, &QLabel::setText);
+  for (const NumberField* field : {size_, height_})
+    connect(field, &NumberField::refused, this,
+            [this, field](const QString& why) { result_->setText(tr("%1: %2").arg(field->accessibleName(), why)); });
   connect(remove_, &QPushButton::clicked, this, [this] { tags_.remove(table_->currentIndex().row()); });
   connect(look_, &QPushButton::clicked, this, [this] {
     look_->setEnabled(false);

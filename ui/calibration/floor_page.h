@@ -1,7 +1,6 @@
 #pragma once
 
 #include <QAbstractTableModel>
-#include <QDoubleSpinBox>
 #include <QLabel>
 #include <QPushButton>
 #include <QTableView>
@@ -13,6 +12,7 @@
 
 #include "app/tools/camera_calibration.h"
 #include "app/tools/floor_survey.h"
+#include "ui/base/number_field.h"
 
 namespace skein::ui {
 
@@ -35,6 +35,9 @@ class FloorModel final : public QAbstractTableModel {
   bool setData(const QModelIndex& index, const QVariant& value, int role) override;
   QVariant headerData(int section, Qt::Orientation orientation, int role) const override;
   Qt::ItemFlags flags(const QModelIndex& index) const override;
+
+ signals:
+  void refused(const QString& why);
 
  private:
   std::vector<app::FloorTag> tags_;
@@ -63,7 +66,7 @@ class FloorPage final : public QWidget {
 
   FloorModel tags_;
   QTableView* table_;
-  QDoubleSpinBox *size_, *height_;
+  NumberField *size_, *height_;
   QPushButton *add_, *remove_, *look_;
   QLabel* result_;
   QTimer timer_;

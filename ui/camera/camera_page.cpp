@@ -193,8 +193,11 @@ QWidget* CameraPage::build_controls() {
       });
     }
     connect(control.field, &NumberField::valueChanged, this, [this, of = control.name](double value) {
+      refused_.clear();
       if (watch_) watch_->set(of, value);
     });
+    connect(control.field, &NumberField::refused, this,
+            [this, shown = control.shown](const QString& why) { refused_ = QStringLiteral("%1: %2").arg(shown, why); });
     ++row;
   }
   return box;
@@ -214,6 +217,8 @@ void CameraPage::look(const app::Experiment& experiment, const app::WatchedCamer
   of_run_ = camera.of_run;
   watched_ = QString::fromStdString(camera.source);
   present_.clear();
+  refused_.clear();
+  calibration_->setPlaceholderText(of_run_ ? tr("that of the run") : tr("none: sizes in px only"));
   watch_ = std::make_unique<app::CameraViewer>(experiment, camera);
   picture_->clear(tr("Waiting for a picture"));
   show_settings({});
@@ -304,6 +309,7 @@ void CameraPage::show_settings(const app::CameraView& view) {
     }
   }
   QStringList lines;
+  if (!refused_.isEmpty()) lines << refused_;
   for (const std::string& notice : view.notices) lines << QString::fromStdString(notice);
   if (of_run_ && !settable)
     lines << tr("The run reads this camera, and its settings cannot be changed meanwhile.");

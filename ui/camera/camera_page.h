@@ -104,6 +104,7 @@ class CameraPage final : public QDialog {
   std::unique_ptr<app::CameraViewer> watch_;
   std::vector<app::CameraSetting> present_;
   QString watched_;  // the source that is shown
+  QString refused_;  // what was typed into a setting last, and why it is not taken; empty: it is
   bool of_run_ = false;
 };
 

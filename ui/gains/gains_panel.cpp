@@ -51,7 +51,7 @@ GainsPanel::GainsPanel(QWidget* parent)
       presets_(new QToolButton(this)),
       reset_(new QPushButton(tr("File's values"), this)),
       coupling_(new QComboBox(this)),
-      ramp_(new QDoubleSpinBox(this)),
+      ramp_(new NumberField(this)),
       parameters_(new ParameterPanel(this)),
       tabs_(new QTabWidget(this)),
       margins_(new MarginBars),
@@ -77,6 +77,8 @@ GainsPanel::GainsPanel(QWidget* parent)
   layout->addWidget(parameters_);
   connect(parameters_, &ParameterPanel::wanted, this, &GainsPanel::change_parameter);
   connect(parameters_, &ParameterPanel::refused, this, &GainsPanel::refused);
+  connect(ramp_, &NumberField::refused, this,
+          [this](const QString& why) { emit refused(tr("Change within: %1").arg(why)); });
   connect(parameters_, &ParameterPanel::held, this, &GainsPanel::parameter_held);
   connect(parameters_, &ParameterPanel::let_go, this, &GainsPanel::let_go);
 

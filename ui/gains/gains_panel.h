@@ -1,7 +1,6 @@
 #pragma once
 
 #include <QComboBox>
-#include <QDoubleSpinBox>
 #include <QLabel>
 #include <QPushButton>
 #include <QTabWidget>
@@ -13,6 +12,7 @@
 
 #include "app/experiment/experiment.h"
 #include "app/run/tick_record.h"
+#include "ui/base/number_field.h"
 #include "ui/gains/gain_presets.h"
 #include "ui/gains/gain_slider.h"
 #include "ui/gains/margin_bars.h"
@@ -93,7 +93,7 @@ class GainsPanel final : public QWidget {
   QToolButton *undo_button_, *redo_button_, *presets_;
   QPushButton* reset_;
   QComboBox* coupling_;
-  QDoubleSpinBox* ramp_;
+  NumberField* ramp_;
   std::vector<QWidget*> controls_;  // those that change something
   std::vector<QWidget*> of_gains_;  // those without a use if the gains have no effect
   ParameterPanel* parameters_;

@@ -106,6 +106,8 @@ void ParameterPanel::add_row(const app::LawParameter& of) {
   dress(row);
   show_value(row, of.value);
   connect(row.field.get(), &QDoubleSpinBox::valueChanged, this, [this, &row](double typed) { choose(row, typed); });
+  connect(row.field.get(), &NumberField::refused, this,
+          [this, name](const QString& why) { emit refused(QStringLiteral("%1: %2").arg(name, why)); });
   connect(row.rest.get(), &QTimer::timeout, this, [this, &row] {
     const double from = std::exchange(row.of.value, row.wish);
     row.asked.start();
