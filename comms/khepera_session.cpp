@@ -14,7 +14,6 @@ namespace {
 
 constexpr std::string_view the_stop = "\nD,0,0\n";
 constexpr std::size_t khepera_answer = 256;
-constexpr double khepera_empty_battery = 6.8;  // two cells of 3.4 V [V]
 
 /// The whole numbers behind "r,"; as far as they go.
 std::vector<std::int64_t> numbers_in(std::string_view text) {
@@ -101,7 +100,7 @@ void KheperaSession::line(std::string_view text, double now) {
     read_counters({khepera_steps(numbers[0]), khepera_steps(numbers[1])}, std::max(asked_at_, answered_at_), now);
   if (awaited_ == 'v' && numbers.size() == 1) {
     const double volts = 1e-3 * static_cast<double>(numbers[0]);
-    read_battery(Battery{.volts = volts, .low = volts < khepera_empty_battery}, now);
+    read_battery(Battery{.volts = volts, .low = volts < charge_below("khepera4")}, now);
   }
   awaited_ = 0, answered_at_ = now;
   if (!lines_.empty()) {

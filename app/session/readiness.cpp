@@ -9,6 +9,7 @@
 
 #include "app/experiment/at_start.h"
 #include "app/session/plant.h"
+#include "comms/battery.h"
 
 namespace skein::app {
 namespace {
@@ -209,6 +210,11 @@ std::vector<Check> readiness(const Experiment& experiment, const Certificate* ce
           gains(certificate),
           reference(certificate),
           places(experiment, record)};
+}
+
+bool is_low(const RobotSpec& robot, double battery) {
+  const auto least = comms::charge_below(robot.type->protocol);
+  return least && battery < *least;  // of NaN: no
 }
 
 std::optional<double> fitting_tag_size(std::size_t robots, std::span<const UnseenTag> unseen) {

@@ -41,6 +41,10 @@ struct Check {
 std::vector<Check> readiness(const Experiment& experiment, const Certificate* certificate, const TickRecord* record,
                              std::span<const RobotStatus> robots, const CameraStatus& camera = {});
 
+/// Whether a robot whose battery has this voltage is to be charged. A robot that says itself when, as an open one does,
+/// never is by its voltage.
+bool is_low(const RobotSpec& robot, double battery);
+
 /// The value of [tags] size, in whole millimetres, with which robots would be seen whose tags are not accepted for
 /// their size: none of the `robots` is seen now, and all tags that are there have this edge [m]. Empty: no such value.
 std::optional<double> fitting_tag_size(std::size_t robots, std::span<const UnseenTag> unseen);

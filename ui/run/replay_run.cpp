@@ -3,6 +3,8 @@
 #include <QFileInfo>
 #include <algorithm>
 
+#include "app/session/readiness.h"
+
 namespace skein::ui {
 namespace {
 
@@ -44,6 +46,7 @@ void ReplayRun::take_links() {
     link.link = recorded.state.value_or(app::LinkState::recorded);
     link.round_trip = recorded.round_trip;
     link.battery = recorded.battery;
+    link.battery_low = app::is_low(experiment().robots[i], recorded.battery);
     link.stop_acknowledged = true;
   }
 }
