@@ -74,7 +74,7 @@ void CheckController::show_list() {
     else
       tags[i] = {};
   }
-  list_->show_checks(checks_);
+  list_->show_checks(checks_, wanted_);
   list_->show_tags(tags, app::fitting_tag_size(live_.experiment().robots.size(), unseen));
 }
 

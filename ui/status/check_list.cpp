@@ -75,6 +75,8 @@ CheckList::CheckList(QWidget* parent)
     : QWidget(parent),
       pictures_(new QWidget(this)),
       tag_size_(new QPushButton(tr("Set tag size"), this)),
+      folded_text_(new QLabel(this)),
+      anyway_text_(new QLabel(tr("What is marked ! can be overruled."), this)),
       anyway_(new QPushButton(tr("Start anyway"), this)),
       scroll_(new Pages(this)),
       list_(new QWidget) {
@@ -98,7 +100,7 @@ CheckList::CheckList(QWidget* parent)
   for (std::size_t k = 0; k < entries.size(); ++k) {
     const Entry& w = entries[k];
     const QString name = QString::fromLatin1(w.name);
-    Row row{new QLabel(this), new QLabel(tr(w.title), this), new QLabel(this), nullptr};
+    Row row{new QLabel(this), new QLabel(tr(w.title), this), new QLabel(this), new QPushButton(tr(w.mend), this)};
     row.mark->setObjectName(QStringLiteral("check_mark_") + name);
     row.mark->setAlignment(Qt::AlignCenter);
     row.mark->setMinimumWidth(fontMetrics().height());
@@ -111,18 +113,13 @@ CheckList::CheckList(QWidget* parent)
     layout->addWidget(row.mark, line, 0, Qt::AlignTop);
     layout->addWidget(row.title, line, 1, Qt::AlignTop);
     layout->addWidget(row.reason, line, 2);
-    if (w.mend) {
-      row.mend = new QPushButton(tr(w.mend), this);
-      row.mend->setObjectName(QStringLiteral("mend_") + name);
-      row.mend->setAccessibleName(tr("%1: %2").arg(tr(w.title), tr(w.mend)));
-      row.mend->setToolTip(tr(w.tip));
-      QSizePolicy keeps_its_place = row.mend->sizePolicy();
-      keeps_its_place.setRetainSizeWhenHidden(true);
-      row.mend->setSizePolicy(keeps_its_place);
-      connect(row.mend, &QPushButton::clicked, this, [this, k] { emit mend(static_cast<What>(k)); });
-      layout->addWidget(row.mend, line, 3, Qt::AlignTop);
-      for (QLabel* beside : {row.mark, row.title}) beside->setMinimumHeight(row.mend->sizeHint().height());
-    }
+    row.mend->setObjectName(QStringLiteral("mend_") + name);
+    row.mend->setAccessibleName(tr("%1: %2").arg(tr(w.title), tr(w.mend)));
+    row.mend->setToolTip(tr(w.tip));
+    connect(row.mend, &QPushButton::clicked, this, [this, k] { emit mend(static_cast<What>(k)); });
+    layout->addWidget(row.mend, line, 3, Qt::AlignTop);
+    for (QLabel* beside : {row.mark, row.title}) beside->setMinimumHeight(row.mend->sizeHint().height());
+    show_line(row, true);
     rows_.push_back(row);
     if (static_cast<What>(k) != What::tags) continue;
     layout->addWidget(pictures_, line + 1, 1, 1, 2);
@@ -142,7 +139,17 @@ CheckList::CheckList(QWidget* parent)
   anyway_->setAccessibleName(anyway_->text());
   anyway_->setToolTip(tr("Starts although a check has failed; only failures without danger can be overridden"));
   connect(anyway_, &QPushButton::clicked, this, &CheckList::start_anyway);
-  layout->addWidget(anyway_, line_of(entries.size() - 2), 3);
+  const auto add_below = [&](QLabel* text, const char* name, int line) {
+    text->setObjectName(QLatin1String(name));
+    text->setForegroundRole(QPalette::PlaceholderText);
+    text->hide();
+    layout->addWidget(text, line, 1, 1, 2);
+  };
+  const int below = line_of(entries.size());
+  add_below(folded_text_, "checks_folded", below);
+  add_below(anyway_text_, "start_anyway_text", below + 1);
+  anyway_->hide();
+  layout->addWidget(anyway_, below + 1, 3);
 }
 
 /// High enough for reasons of several lines, also beside a scroll bar: else one that is there would stay for ever.
@@ -152,9 +159,25 @@ QSize CheckList::sizeHint() const {
   return {hint.width(), beside_bar > 0 ? list_->layout()->totalHeightForWidth(beside_bar) : hint.height()};
 }
 
-void CheckList::show_checks(const std::vector<app::Check>& checks) {
+void CheckList::show_checks(const std::vector<app::Check>& checks, bool every_line) {
   checks_ = checks;
+  every_line_ = every_line;
   dress();
+}
+
+/// Whether the list with every line would take half of the room that it has with the arena.
+bool CheckList::is_crowded() const {
+  const int line = anyway_->sizeHint().height() + static_cast<QGridLayout*>(list_->layout())->verticalSpacing();
+  return parentWidget() && 2 * (static_cast<int>(entries.size()) + 1) * line > parentWidget()->height();
+}
+
+/// A line that holds, in little room.
+void CheckList::show_line(const Row& row, bool shown) {
+  for (QLabel* label : {row.mark, row.title, row.reason}) label->setVisible(shown);
+  QSizePolicy policy = row.mend->sizePolicy();
+  if (policy.retainSizeWhenHidden() == shown) return;
+  policy.setRetainSizeWhenHidden(shown);
+  row.mend->setSizePolicy(policy);
 }
 
 void CheckList::show_tags(const std::vector<app::UnseenTag>& tags, std::optional<double> size) {
@@ -233,6 +256,8 @@ void CheckList::show_pictures(const std::vector<app::UnseenTag>& tags) {
 
 void CheckList::dress() {
   const Colours c = colours(palette());
+  const bool all_lines = every_line_ || app::all_hold(checks_) || !is_crowded();
+  int folded = 0;
   for (const app::Check& check : checks_) {
     const Row& row = rows_[static_cast<std::size_t>(check.what)];
     using State = app::Check::State;
@@ -257,9 +282,16 @@ void CheckList::dress() {
       row.reason->setText(reason);
       row.reason->setToolTip(reason);
     }
-    if (row.mend) row.mend->setVisible(fails);
+    row.mend->setVisible(fails);
+    const bool is_folded = !all_lines && check.state == State::holds;
+    show_line(row, !is_folded);
+    if (is_folded) ++folded;
   }
-  anyway_->setVisible(app::may_start(checks_) && !app::all_hold(checks_));
+  folded_text_->setText(tr("%1 other checks hold (Ctrl+L shows them)").arg(folded));
+  folded_text_->setVisible(folded > 0);
+  const bool may_be_overruled = app::may_start(checks_) && !app::all_hold(checks_);
+  anyway_text_->setVisible(may_be_overruled);
+  anyway_->setVisible(may_be_overruled);
   keep_lines_whole();
   updateGeometry();
   const auto fails = [](const app::Check& check) { return check.state == app::Check::State::fails; };
@@ -274,7 +306,7 @@ void CheckList::dress() {
 void CheckList::scroll_to_amiss() {
   if (!amiss_ || scrolled_) return;
   const Row& row = rows_[static_cast<std::size_t>(*amiss_)];
-  QWidget* const highest = row.mend ? static_cast<QWidget*>(row.mend) : row.reason;
+  QWidget* const highest = row.mend;
   QTimer::singleShot(0, this, [this, highest] {
     if (amiss_ == What::tags && !pictures_->isHidden()) scroll_->ensureWidgetVisible(pictures_, 0, 4);
     scroll_->ensureWidgetVisible(highest, 0, 4);

@@ -21,7 +21,8 @@ class CheckList final : public QWidget {
   explicit CheckList(QWidget* parent = nullptr);
   QSize sizeHint() const override;
   QSize minimumSizeHint() const override { return {200, 60}; }
-  void show_checks(const std::vector<app::Check>& checks);
+  /// In little room, lines that hold are counted instead of shown, unless `every_line`.
+  void show_checks(const std::vector<app::Check>& checks, bool every_line = false);
   /// By robot: its tag that the camera does not see, an empty one where it does. `size`: the tag size that would mend
   /// it [m], see app::fitting_tag_size.
   void show_tags(const std::vector<app::UnseenTag>& tags, std::optional<double> size);
@@ -38,9 +39,11 @@ class CheckList final : public QWidget {
  private:
   struct Row {
     QLabel *mark, *title, *reason;
-    QPushButton* mend;  // null: nothing to press
+    QPushButton* mend;
   };
   void dress();
+  bool is_crowded() const;
+  static void show_line(const Row& row, bool shown);
   struct TagPicture {
     std::size_t robot;
     QLabel* picture;
@@ -57,7 +60,9 @@ class CheckList final : public QWidget {
   std::vector<TagPicture> tag_pictures_;
   QPushButton* tag_size_;
   double size_ = 0.0;  // that it would set [m]
+  QLabel *folded_text_, *anyway_text_;
   QPushButton* anyway_;
+  bool every_line_ = false;
   QScrollArea* scroll_;  // if there is little room
   QWidget* list_;
   std::optional<app::Check::What> amiss_;  // the first failed check, to which the list scrolls
