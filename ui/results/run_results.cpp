@@ -39,7 +39,9 @@ RunResults::RunResults(const app::Experiment& experiment) : experiment_(experime
 void RunResults::add_record(const app::TickRecord& record) {
   const bool moves = record.phase == app::Phase::running || record.phase == app::Phase::staging;
   started_ = started_ || moves;
-  over_ = record.phase == app::Phase::finished || record.phase == app::Phase::stopped;
+  const double ticks_later = (record.t - experiment_.duration) * experiment_.rate;
+  // A recording ends with its last tick: what comes after it is no row.
+  over_ = record.phase == app::Phase::finished || record.phase == app::Phase::stopped || ticks_later > -1.5;
   if (!moves && !(started_ && !record.events.empty())) return;
   statistics_.record(record);
   const double kick = statistics_.newest_perturbation();
