@@ -189,19 +189,20 @@ QSizeF ArenaPainter::chip_size(const QString& text, double width, bool bold) con
   return {size.width() + 2 * chip_beside + more, size.height() + 2 * chip_above};
 }
 
-/// How many robots a message here would hide; one that lies over another text counts as all, and one more.
+/// How many robots and obstacles a message here would hide; one that lies over another text counts as all, and one
+/// more.
 std::size_t ArenaPainter::hidden_by(const QRectF& card) const {
   const bool over_text =
       std::any_of(written_.begin(), written_.end(), [&](const QRectF& text) { return card.intersects(text); });
-  std::size_t count = over_text ? scene_.experiment.robots.size() + 1 : 0;
+  std::size_t count = over_text ? bodies_.size() + 1 : 0;
   for (const auto& [centre, radius] : bodies_)
     count += card.adjusted(-radius, -radius, radius, radius).contains(centre) ? 1 : 0;
   return count;
 }
 
-/// Where a message hides no robot and no other message, or else fewest: as wide as it may be, high up or low down,
-/// beside the floor where there is room; then elsewhere, and narrower, in more lines. `size_in`: in a place of this
-/// width.
+/// Where a message hides no robot, no obstacle and no other message, or else fewest: as wide as it may be, high up or
+/// low down, beside the floor where there is room; then elsewhere, and narrower, in more lines. `size_in`: in a place
+/// of this width.
 QRectF ArenaPainter::freest(const QRectF& widget, const std::function<QSizeF(double)>& size_in, bool low) const {
   constexpr double gap = 8.0, under_top = 44.0, over_scale = 50.0, beside = 20.0;
   const QRectF floor = map_.sheet() & widget, room = widget.adjusted(beside, gap, -beside, -gap);
@@ -232,12 +233,15 @@ QRectF ArenaPainter::freest(const QRectF& widget, const std::function<QSizeF(dou
   return best.value_or(room);
 }
 
-/// The banner with its alert high up and the hint low down, where they hide no robot.
+/// The banner with its alert high up and the hint low down, where they hide neither robots nor obstacles.
 void ArenaPainter::messages(const QRectF& widget) {
   constexpr double gap = 8.0;
   for (std::size_t i = 0; i < scene_.experiment.robots.size(); ++i)
     if (const auto pose = scene_.pose(i))
       bodies_.emplace_back(at(pose->x, pose->y), scene_.radius(i) * map_.scale_at({pose->x, pose->y}));
+  for (const core::Obstacle& obstacle : scene_.circumstances.obstacles)
+    if (obstacle.radius > 0.0)
+      bodies_.emplace_back(at(obstacle.x, obstacle.y), obstacle.radius * map_.scale_at({obstacle.x, obstacle.y}));
   const auto said_in = [&](double width) {
     const QSizeF banner = chip_size(scene_.banner, width, true), alert = chip_size(scene_.alert, width, false);
     const double between = scene_.banner.isEmpty() || scene_.alert.isEmpty() ? 0.0 : gap;

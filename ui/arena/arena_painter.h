@@ -56,7 +56,7 @@ class ArenaPainter {
   const Colours& c_;
   QRectF scale_;                                    // where the scale stands
   std::vector<QRectF> written_;                     // messages and notes, which others should not cover
-  std::vector<std::pair<QPointF, double>> bodies_;  // of the robots, with their radius [px]: not to be hidden
+  std::vector<std::pair<QPointF, double>> bodies_;  // robots and obstacles, with their radius [px]: not to be hidden
 };
 
 }  // namespace skein::ui

@@ -1,7 +1,9 @@
 #include "ui/camera/camera_picture.h"
 
 #include <QPainter>
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "ui/base/picture.h"
 #include "ui/base/told.h"
@@ -42,6 +44,26 @@ QColor colour_of(State state, const Colours& colours) {
   }
   return colours.text;
 }
+
+namespace {
+
+/// Where a text of this size lies beside its tag and over no other tag and text: below, above, to the right or to the
+/// left of it, in the sheet; else below, or above.
+QRectF beside_tag(const QRectF& tag, const QSizeF& size, const QRectF& sheet, const std::vector<QRectF>& others) {
+  constexpr double gap = 4.0;
+  const double left = std::clamp(tag.center().x() - size.width() / 2, sheet.left(),
+                                 std::max(sheet.left(), sheet.right() - size.width()));
+  const double top = tag.center().y() - size.height() / 2;
+  const QRectF below({left, tag.bottom() + gap}, size), above({left, tag.top() - gap - size.height()}, size);
+  for (const QRectF& place :
+       {below, above, QRectF({tag.right() + gap, top}, size), QRectF({tag.left() - gap - size.width(), top}, size)}) {
+    const auto hidden = [&](const QRectF& other) { return place.intersects(other); };
+    if (sheet.contains(place) && std::none_of(others.begin(), others.end(), hidden)) return place;
+  }
+  return below.bottom() > sheet.bottom() ? above : below;
+}
+
+}  // namespace
 
 CameraPicture::CameraPicture(QWidget* parent) : QWidget(parent) {
   setObjectName(QStringLiteral("camera_picture"));
@@ -87,24 +109,29 @@ void CameraPicture::paintEvent(QPaintEvent*) {
   const double scale = sheet.width() / picture_.width();
   constexpr double widest = 170.0;  // of a text [px]
   constexpr int edge = 3;
+  std::vector<QRectF> drawn;  // outlines of the tags that are seen, then texts: not to be hidden
   for (const app::WatchedTag& tag : tags_) {
     if (!tag.seen) continue;
     QPolygonF outline;
     for (const auto& [u, v] : tag.corners) outline << sheet.topLeft() + QPointF((u + 0.5) * scale, (v + 0.5) * scale);
+    p.setBrush(Qt::NoBrush);
+    p.setPen(QPen(colour_of(tag.state, c), 2.5, tag.state == State::taken ? Qt::SolidLine : Qt::DashLine));
+    p.drawPolygon(outline);
+    drawn.push_back(outline.boundingRect());
+  }
+  std::size_t number = 0;
+  for (const app::WatchedTag& tag : tags_) {
+    if (!tag.seen) continue;
+    const QRectF around = drawn[number++];
     const QColor colour = colour_of(tag.state, c);
     const bool taken = tag.state == State::taken;
-    p.setBrush(Qt::NoBrush);
-    p.setPen(QPen(colour, 2.5, taken ? Qt::SolidLine : Qt::DashLine));
-    p.drawPolygon(outline);
     QString text = tr("%1: %2").arg(tag.tag).arg(size_of(tag));
     if (tag.state == State::refused)
       text += QLatin1Char('\n') + fontMetrics().elidedText(verdict_on(tag), Qt::ElideRight, static_cast<int>(widest));
     QRectF box = fontMetrics().boundingRect(QRect(0, 0, width(), height()), Qt::AlignLeft, text);
     box.adjust(-edge, 0, edge, 0);
-    const QRectF around = outline.boundingRect();
-    box.moveTopLeft({around.center().x() - box.width() / 2, around.bottom() + 4});
-    if (box.bottom() > sheet.bottom()) box.moveBottom(around.top() - 4);
-    box.moveLeft(std::clamp(box.left(), sheet.left(), std::max(sheet.left(), sheet.right() - box.width())));
+    box = beside_tag(around, box.size(), sheet, drawn);
+    drawn.push_back(box);
     QColor ground = c.panel;
     ground.setAlphaF(0.85F);
     p.fillRect(box, ground);
