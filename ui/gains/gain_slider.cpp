@@ -111,7 +111,7 @@ void LimitSlider::paintEvent(QPaintEvent*) {
   p.setBrush(isEnabled() ? c.accent : c.faint_text);
   p.drawRoundedRect(QRectF(track.topLeft(), QPointF(x(now_), track.bottom())), 3, 3);  // what holds now
   p.setPen(QPen(loud, 2));
-  p.drawLine(QPointF(x(limit_), track.top() - 5), QPointF(x(limit_), track.bottom() + 5));
+  if (limit_ <= 1.0) p.drawLine(QPointF(x(limit_), track.top() - 5), QPointF(x(limit_), track.bottom() + 5));
 
   p.setPen(QPen(hasFocus() ? c.accent : c.axis, hasFocus() ? 2.0 : 1.2));
   p.setBrush(c.dark ? c.panel.lighter(240) : QColor(Qt::white));
@@ -194,6 +194,8 @@ GainSlider::GainSlider(core::GainName gain, QWidget* parent)
     emit let_go();
   });
   connect(spin_, &QDoubleSpinBox::valueChanged, this, [this](double value) { choose(value); });
+  connect(spin_, &NumberField::refused, this,
+          [this](const QString& why) { emit refused(QStringLiteral("%1: %2").arg(gain_symbol(gain_), why)); });
 }
 
 double GainSlider::half_a_step() const {
@@ -206,6 +208,7 @@ QString GainSlider::gain_text(double value) const {
 
 /// Never rounded up: what is shown as the limit is allowed.
 QString GainSlider::limit_text(double value) const {
+  if (!std::isfinite(value)) return QStringLiteral("–");
   constexpr double rounding = 1e-6;
   const double per_unit = std::pow(10.0, spin_->decimals());
   return gain_text(std::floor(value * per_unit + rounding) / per_unit);
@@ -229,7 +232,7 @@ QString GainSlider::advice() const {
                        std::abs(held_back_->at - limit_) < half_a_step();
   const double wanted = is_held ? held_back_->asked : spin_->value();
   // A gain at its limit is shown rounded, which may be above.
-  if (!remedy_ || wanted <= limit_ + (is_held ? rounding : half_a_step())) return {};
+  if (!remedy_ || !std::isfinite(limit_) || wanted <= limit_ + (is_held ? rounding : half_a_step())) return {};
   const QString remedy = remedy_(wanted);
   if (remedy.isEmpty()) return {};
   return tr("%1 cannot be more than %2: %3").arg(gain_symbol(gain_), limit_text(limit_), remedy);
@@ -255,7 +258,7 @@ void GainSlider::reset(double value, double limit) {
   rest_.stop();
   held_back_.reset();
   limit_ = limit_now_ = limit;
-  set_range(std::max(limit, value) * room_beyond_limit);
+  set_range(std::fmax(limit, value) * room_beyond_limit);  // of two numbers, if the limit is known
   now_ = value;
   set_target(value);
   show_text();
@@ -303,7 +306,9 @@ void GainSlider::set_target(double value) {
 }
 
 void GainSlider::show_text() {
-  slider_->set_marks(limit_ / top_, limit_now_ / top_, now_ / top_);
+  constexpr double nowhere = 2.0;  // on the track
+  const auto mark = [&](double limit) { return std::isfinite(limit) ? limit / top_ : nowhere; };
+  slider_->set_marks(mark(limit_), mark(limit_now_), now_ / top_);
   const bool on_its_way = std::abs(now_ - spin_->value()) > half_a_step();
   now_text_->setText(on_its_way ? tr("now %1 …").arg(gain_text(now_)) : tr("now %1").arg(gain_text(now_)));
   limit_text_->setText(tr("limit %1").arg(limit_text(limit_)));

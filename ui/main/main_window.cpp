@@ -672,7 +672,7 @@ void MainWindow::on_open_failed(const QString& reason) {
   QString text = reason;
   if (app::has_hardware(runs_.live().experiment()))
     text += QStringLiteral("\n\n") + tr("Run | Rehearse without hardware opens it with emulated robots.");
-  messages_->problem(tr("The experiment could not be opened"), text);
+  messages_->show_problem(tr("The experiment could not be opened"), text);  // the banner says it as well
 }
 
 void MainWindow::on_frame(double now) {

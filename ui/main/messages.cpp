@@ -36,6 +36,10 @@ void Messages::tell(const RunSource::Done& done) const {
 
 void Messages::problem(const QString& title, const QString& text, const QString& details) const {
   say(title, Severity::warning);  // also in place of "Reading ..." and the like
+  show_problem(title, text, details);
+}
+
+void Messages::show_problem(const QString& title, const QString& text, const QString& details) const {
   QString body = text.toHtmlEscaped().replace(QLatin1Char('\n'), QStringLiteral("<br>"));
   if (!details.isEmpty())
     body +=

@@ -25,8 +25,9 @@ class Messages final {
   void note_unkept(const QString& text) const;
   /// Shows why a request was refused, if it was.
   void tell(const RunSource::Done& done) const;
-  void problem(const QString& title, const QString& text, const QString& details = {}) const;  ///< in a dialog
-  QWidget* window() const { return window_; }                                                  ///< parent for dialogs
+  void problem(const QString& title, const QString& text, const QString& details = {}) const;       ///< in a dialog
+  void show_problem(const QString& title, const QString& text, const QString& details = {}) const;  ///< only there
+  QWidget* window() const { return window_; }  ///< parent for dialogs
 
  private:
   const Runs& runs_;

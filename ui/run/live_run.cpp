@@ -397,11 +397,11 @@ double LiveRun::gain_target(core::GainName name, std::size_t i, std::size_t j) c
 }
 
 double LiveRun::gain_limit(core::GainName name) const {
-  return session_ ? session_->gain_limit(name) : 0.0;
+  return session_ ? session_->gain_limit(name) : app::none;
 }
 
 double LiveRun::gain_limit(core::GainName name, std::size_t i, std::size_t j) const {
-  return session_ ? session_->gain_limit(name, i, j) : 0.0;
+  return session_ ? session_->gain_limit(name, i, j) : app::none;
 }
 
 double LiveRun::gain_limit_now(core::GainName name) const {

@@ -71,7 +71,7 @@ class RunSource : public QObject {
   virtual double gain_target(core::GainName name, std::size_t i, std::size_t j) const = 0;
   virtual bool coupled(std::size_t i, std::size_t j) const = 0;
   /// The limit of (18f, g): for all pairs over the whole reference, for one pair, for all pairs at the present moment
-  /// alone.
+  /// alone. None: not known, since no session is open.
   virtual double gain_limit(core::GainName name) const = 0;
   virtual double gain_limit(core::GainName name, std::size_t i, std::size_t j) const = 0;
   virtual double gain_limit_now(core::GainName name) const = 0;
