@@ -44,17 +44,20 @@ void PairModel::show_gain(core::GainName gain) {
   gain_ = gain;
 }
 
-void PairModel::refresh(const Ask& ask) {
+bool PairModel::refresh(const Ask& ask) {
+  bool changed = false;
   for (std::size_t i = 0; i < robots_; ++i)
     for (std::size_t j = i + 1; j < robots_; ++j) {
       const Pair fresh = ask(gain_, i, j);
       if (at(i, j) == fresh) continue;
       at(i, j) = fresh;
+      changed = true;
       for (const auto& [row, column] : {std::pair{i, j}, std::pair{j, i}}) {
         const QModelIndex cell = index(static_cast<int>(row), static_cast<int>(column));
         emit dataChanged(cell, cell);
       }
     }
+  return changed;
 }
 
 void PairModel::set_colours(const Colours& colours) {
@@ -108,11 +111,14 @@ bool PairModel::setData(const QModelIndex& index, const QVariant& value, int rol
   if (role != Qt::EditRole) return false;
   const auto number = parse_number(value.toString());
   if (!number || *number < 0.0) {
-    emit refused(tr("%1 of robots %2 and %3: found %4, allowed: a number of at least 0")
+    const QString readings = two_readings(value.toString());
+    emit refused(tr("%1 of robots %2 and %3: %4")
                      .arg(gain_symbol(gain_))
                      .arg(i + 1)
                      .arg(j + 1)
-                     .arg(value.toString().trimmed()));
+                     .arg(readings.isEmpty()
+                              ? tr("found %1, allowed: a number of at least 0").arg(value.toString().trimmed())
+                              : readings));
     return false;
   }
   emit gain_wanted(gain_, i, j, *number);
@@ -151,7 +157,7 @@ PairTable::PairTable(QWidget* parent) : QWidget(parent), gain_(new QComboBox(thi
   table_->setFrameShape(QFrame::NoFrame);
   table_->setSelectionMode(QAbstractItemView::SingleSelection);
   table_->setEditTriggers(QAbstractItemView::DoubleClicked | QAbstractItemView::EditKeyPressed);
-  table_->horizontalHeader()->setMinimumSectionSize(fontMetrics().horizontalAdvance(QStringLiteral("0.0000")) + 8);
+  keep_values_whole();
   table_->horizontalHeader()->setSectionResizeMode(QHeaderView::Stretch);
   table_->verticalHeader()->setDefaultSectionSize(fontMetrics().height() + 8);
   table_->installEventFilter(this);
@@ -169,6 +175,19 @@ PairTable::PairTable(QWidget* parent) : QWidget(parent), gain_(new QComboBox(thi
 
 void PairTable::show_robots(std::size_t robots) {
   model_.show_robots(robots);
+}
+
+void PairTable::refresh(const PairModel::Ask& ask) {
+  if (model_.refresh(ask)) keep_values_whole();
+}
+
+void PairTable::keep_values_whole() {
+  constexpr int beside = 8;  // of a cell's text
+  int widest = fontMetrics().horizontalAdvance(QStringLiteral("0.0000"));
+  for (int row = 0; row < model_.rowCount(); ++row)
+    for (int column = row + 1; column < model_.columnCount(); ++column)
+      widest = std::max(widest, fontMetrics().horizontalAdvance(model_.index(row, column).data().toString()));
+  table_->horizontalHeader()->setMinimumSectionSize(widest + beside);
 }
 
 void PairTable::changeEvent(QEvent* event) {

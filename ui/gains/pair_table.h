@@ -30,7 +30,7 @@ class PairModel final : public QAbstractTableModel {
   void show_robots(std::size_t robots);
   void show_gain(core::GainName gain);
   core::GainName gain() const { return gain_; }
-  void refresh(const Ask& ask);  ///< updates every pair's values
+  bool refresh(const Ask& ask);  ///< updates every pair's values; whether one has changed
   void set_colours(const Colours& colours);
   void set_fixed(bool fixed) { fixed_ = fixed; }
 
@@ -64,7 +64,7 @@ class PairTable final : public QWidget {
  public:
   explicit PairTable(QWidget* parent = nullptr);
   void show_robots(std::size_t robots);
-  void refresh(const PairModel::Ask& ask) { model_.refresh(ask); }
+  void refresh(const PairModel::Ask& ask);
   QAbstractItemView* cells() const { return table_; }
   void set_fixed(bool fixed) { model_.set_fixed(fixed); }  ///< the values can be read, not changed
 
@@ -78,6 +78,8 @@ class PairTable final : public QWidget {
   bool eventFilter(QObject* watched, QEvent* event) override;
 
  private:
+  void keep_values_whole();
+
   PairModel model_;
   QComboBox* gain_;
   QTableView* table_;
