@@ -415,6 +415,27 @@ TEST(ArenaMessages, HideNoRobotOfAPlatoonInASmallWindowWhereverItIs) {
     }
 }
 
+TEST(ArenaMessages, HideNoObstacleWhereThereIsRoomBesideIt) {
+  const QString banner = QStringLiteral("STOPPED by operator \u2013 new run: Ctrl+N");
+  for (const double y : {0.7, 0.6, 0.5, 0.4, 0.0, -0.4, -0.5, -0.6}) {
+    app::Experiment experiment = app::paper_experiment();
+    experiment.obstacles = {{0.0, y, 0.05}};
+    const auto seen = [&](const QString& said) {
+      ArenaView view;
+      view.resize(620, 460);
+      view.show_experiment(experiment);
+      view.set_banner(said, true);
+      view.set_hint(said, false);
+      const QPoint centre = view.map().to_screen({0.0, y}).toPoint();
+      return std::pair(view.grab().toImage(), QRect(centre - QPoint(8, 8), QSize(17, 17)));
+    };
+    const auto [bare, place] = seen({});
+    const auto [said, same_place] = seen(banner);
+    EXPECT_NE(bare, said);
+    EXPECT_EQ(bare.copy(place), said.copy(same_place)) << "a message lies over the obstacle at " << y;
+  }
+}
+
 TEST(ArenaMessages, LieNotOverWhatTheRulerMeasures) {
   ArenaView view;
   view.resize(620, 460);

@@ -13,6 +13,7 @@
 #include "tests/places.h"
 #include "tests/vision/aravis/fake_gige.h"
 #include "ui/camera/camera_page.h"
+#include "ui/camera/camera_picture.h"
 #include "ui/editor/experiment_editor.h"
 #include "vision/synthetic/synthetic_camera.h"
 
@@ -66,9 +67,33 @@ TEST_F(CameraPageTest, ShowsTheRunsOwnPictureWithEveryTagInIt) {
   EXPECT_TRUE(eventually([&] { return status().contains(QStringLiteral("frames/s")); })) << status().toStdString();
   EXPECT_FALSE(find<NumberField>("camera_exposure")->isEnabled()) << "a camera that is rendered has none";
   EXPECT_TRUE(find<QLabel>("camera_settings_note")->text().contains(QStringLiteral("cannot be changed")));
+  EXPECT_FALSE(find<QLineEdit>("camera_calibration")->placeholderText().contains(QStringLiteral("px only")))
+      << "sizes are in mm, by the run's calibration";
   EXPECT_TRUE(running()) << "the run goes on";
   key(Qt::Key_Space, find<CameraPage>("camera_page"));
   EXPECT_TRUE(eventually([&] { return stopped(); })) << "STOP while it is open";
+}
+
+TEST(CameraPicture, HidesNoTagBehindTheTextOfAnother) {
+  app::CameraView view;
+  view.picture = {400, 300, std::vector<std::uint8_t>(400 * 300, 128)};
+  for (int k = 0; k < 4; ++k) {  // one below the other, as robots of a platoon
+    app::WatchedTag tag{};
+    tag.tag = k + 1;
+    tag.robot = k;
+    tag.seen = true;
+    tag.state = app::WatchedTag::State::taken;
+    tag.edge_px = 12;
+    const double u = 200.0, v = 100.0 + 20.0 * k;
+    tag.corners = {{{u - 6, v - 6}, {u + 6, v - 6}, {u + 6, v + 6}, {u - 6, v + 6}}};
+    view.tags.push_back(tag);
+  }
+  CameraPicture picture;
+  picture.resize(400, 300);
+  picture.show_view(view);
+  const QImage shown = picture.grab().toImage();
+  for (int k = 0; k < 4; ++k)
+    EXPECT_EQ(shown.pixelColor(200, 100 + 20 * k), QColor(128, 128, 128)) << "a text lies over tag " << k + 1;
 }
 
 TEST_F(CameraPageTest, SaysOfEachTagWhyItIsNotTaken) {

@@ -93,6 +93,31 @@ TEST_F(Checks, ShowWholeWhatFails) {
   EXPECT_TRUE(whole("mend_places"));
 }
 
+TEST_F(Checks, LeaveTheArenaItsRoomInASmallWindow) {
+  open_and_wait();
+  window.resize(800, 600);
+  drag(robot(1), floor(0.0, 0.0));
+  ASSERT_TRUE(eventually([&] { return seen() && find("checks_folded")->isVisible(); }));
+  EXPECT_TRUE(eventually([&] { return arena().height() >= 190; })) << arena().height() << " px are left of it";
+  EXPECT_FALSE(find("check_gains")->isVisible());
+  EXPECT_TRUE(find<QLabel>("checks_folded")->text().startsWith(QStringLiteral("7 ")));
+  find<QAction>("view_checks")->trigger();
+  EXPECT_TRUE(eventually([&] { return find("check_gains")->isVisible(); })) << "whoever asks for the list gets all";
+  EXPECT_FALSE(find("checks_folded")->isVisible());
+}
+
+TEST_F(Checks, SayWhatStartAnywayOverrules) {
+  open_and_wait();
+  drag(robot(1), floor(0.0, 0.0));
+  ASSERT_TRUE(eventually([&] { return seen() && find("start_anyway")->isVisible(); }));
+  EXPECT_TRUE(find<QLabel>("start_anyway_text")->text().contains(QStringLiteral("marked !")));
+  const auto middle = [&](const char* name) { return find(name)->geometry().center().y(); };
+  ASSERT_TRUE(eventually([&] { return middle("start_anyway") > middle("mend_places"); }));
+  EXPECT_NEAR(middle("start_anyway"), middle("start_anyway_text"), 2);
+  for (const char* check : {"check_reference", "check_places"})
+    EXPECT_GT(std::abs(middle("start_anyway") - middle(check)), 10) << "it stands beside " << check;
+}
+
 TEST_F(Checks, NeedNoScrollBarWhereTheArenaHasRoomToSpare) {
   app::Experiment experiment = app::paper_experiment();
   experiment.camera.source = "v4l2:/dev/no-such-camera";

@@ -328,6 +328,23 @@ TEST_F(Gains, ThatAreTypedIntoATableAndNotTakenAreSaidNotToBe) {
   auto* schedule = find<QAbstractItemView>("schedule_table")->model();
   told(schedule, 0, ScheduleModel::k_xx, QStringLiteral("-0.1"));
   told(schedule, 0, ScheduleModel::t, QStringLiteral("soon"));
+  for (QAbstractItemModel* model : {pairs, schedule}) {
+    EXPECT_FALSE(model->setData(model->index(0, 1), QStringLiteral("1,000"), Qt::EditRole));
+    EXPECT_TRUE(find<QLabel>("alert")->text().contains(QStringLiteral("1.000 or 1000")));
+  }
+  const auto in_force = record().k_yy;
+  for (const char* name : {"spin_k_yy", "gain_ramp"}) {
+    auto* field = find<QDoubleSpinBox>(name);
+    const QString before = field->text();
+    field->setFocus();
+    ASSERT_TRUE(eventually([&] { return field->hasFocus(); }));
+    field->selectAll();
+    QTest::keyClicks(field, QStringLiteral("2,000"));
+    key(Qt::Key_Return);
+    EXPECT_EQ(field->text().toStdString(), before.toStdString()) << name;
+    EXPECT_TRUE(find<QLabel>("alert")->text().contains(QStringLiteral("2.000 or 2000"))) << name;
+  }
+  EXPECT_EQ(record().k_yy, in_force);
 }
 
 TEST_F(Gains, ThatAreBeingTypedWhenTheRunEndsAreNotShownAsInForce) {

@@ -309,6 +309,11 @@ TEST_F(Operator, IsToldWhyAnExperimentDoesNotOpen) {
   EXPECT_TRUE(eventually([&] { return arena().scene().banner_alarms; }));
   EXPECT_TRUE(eventually([&] { return !find<QPushButton>("go")->isEnabled(); }));
   delete box;
+  const QString title = arena().scene().banner;
+  EXPECT_TRUE(eventually([&] { return arena().scene().alert.contains(QStringLiteral("no-such-camera")); }));
+  for (const QString& said : {find<QLabel>("alert")->text(), arena().scene().alert})
+    EXPECT_FALSE(said.contains(title)) << "once more: " << said.toStdString();
+  EXPECT_EQ(find<QLabel>("limit_k_xx")->text(), QStringLiteral("limit –")) << "nobody knows it";
 }
 
 TEST_F(Operator, ZoomsThePlotsAndComesBack) {

@@ -6,17 +6,24 @@
 #include <QClipboard>
 #include <QRegularExpression>
 #include <QSignalSpy>
+#include <QTableView>
 #include <QTest>
+#include <array>
 #include <cmath>
+#include <memory>
+#include <tuple>
 
 #include "app/experiment/experiment_file.h"
 #include "ui/arena/arena_map.h"
 #include "ui/arena/arena_view.h"
 #include "ui/base/dialogs.h"
 #include "ui/base/modes.h"
+#include "ui/base/number_field.h"
 #include "ui/base/why.h"
+#include "ui/gains/pair_table.h"
 #include "ui/main/help.h"
 #include "ui/robots/robots_model.h"
+#include "ui/run/replay_run.h"
 #include "ui/run/run_history.h"
 #include "ui/status/alert_strip.h"
 #include "ui/status/event_log.h"
@@ -24,16 +31,24 @@
 namespace skein::ui::test {
 namespace {
 
-TEST(Why, SaysInOneSentenceWhatGovernsARobot) {
-  const Circumstances now;
+/// Two robots of a running experiment, so far apart along x [m]; the law drives both.
+app::TickRecord two_robots(double apart = 0.0) {
   app::TickRecord record;
   record.phase = app::Phase::running;
   record.robots.resize(2);
+  for (app::RobotRecord& robot : record.robots) {
+    robot.truth = {0.0, 0.0, 0.0};
+    robot.pose_age = 0.04;
+    robot.law = {0.14, 0.2};
+  }
+  record.robots[1].truth.x = apart;
+  return record;
+}
+
+TEST(Why, SaysInOneSentenceWhatGovernsARobot) {
+  const Circumstances now;
+  app::TickRecord record = two_robots(0.091);
   app::RobotRecord& r = record.robots[0];
-  r.truth = {0.0, 0.0, 0.0};
-  record.robots[1].truth = {0.091, 0.0, 0.0};
-  r.pose_age = 0.04;
-  r.law = {0.14, 0.2};
   r.command = {0.03, 0.2};
   r.error = {0.02, 0.0, 0.0};
   r.mode = app::tracking;
@@ -52,13 +67,8 @@ TEST(Why, SaysInOneSentenceWhatGovernsARobot) {
 TEST(Why, NamesALinkAndALawThatGiveNoNumberAndNotAHandThatHoldsNobody) {
   Circumstances now;
   now.held = {0};
-  app::TickRecord record;
-  record.phase = app::Phase::running;
-  record.robots.resize(2);
+  app::TickRecord record = two_robots();
   app::RobotRecord& r = record.robots[0];
-  r.truth = {0.0, 0.0, 0.0};
-  r.pose_age = 0.04;
-  r.law = {0.14, 0.2};
   const auto says = [&](const char* words) {
     EXPECT_TRUE(why(record, 0, now).contains(QLatin1String(words))) << why(record, 0, now).toStdString();
   };
@@ -88,14 +98,8 @@ TEST(Why, NamesALinkAndALawThatGiveNoNumberAndNotAHandThatHoldsNobody) {
 TEST(Why, NamesTheObstacleOrTheEdgeThatARobotIsSlowedFor) {
   const app::Experiment experiment = app::paper_experiment();
   Circumstances now(experiment);
-  app::TickRecord record;
-  record.phase = app::Phase::running;
-  record.robots.resize(2);
+  app::TickRecord record = two_robots(0.2);
   app::RobotRecord& r = record.robots[0];
-  r.truth = {0.0, 0.0, 0.0};
-  record.robots[1].truth = {0.2, 0.0, 0.0};
-  r.pose_age = 0.04;
-  r.law = {0.14, 0.2};
   r.command = {0.03, 0.2};
   r.nominal.pose = {0.05, 0.0, 0.0};
   const auto says = [&](const char* words) {
@@ -121,12 +125,8 @@ TEST(Why, NamesTheObstacleOrTheEdgeThatARobotIsSlowedFor) {
 
 TEST(Why, SaysThatARobotWasMovedUntilItIsInPlaceAgain) {
   Circumstances now(app::paper_experiment());
-  app::TickRecord record;
-  record.phase = app::Phase::running;
-  record.robots.resize(2);
+  app::TickRecord record = two_robots();
   app::RobotRecord& r = record.robots[1];
-  r.truth = {0.0, 0.0, 0.0};
-  r.pose_age = 0.04;
   r.mode = app::tracking;
   r.error = {0.0, 0.0, 0.0};
   const auto at = [&](double t, double error) {
@@ -319,6 +319,80 @@ TEST(ArenaScene, DrawsNoLineWhereAHandCarriedARobot) {
   record.t += 100.0;
   scene.show_record(record);
   EXPECT_TRUE(scene.trails[0].size() <= 1) << "trails fade";
+}
+
+TEST(Numbers, ThatCanBeReadInTwoWaysAreNotTakenAndBothAreNamed) {
+  for (const auto& [text, one, other] : {std::tuple("1,000", "1.000", "1000"), {"-12,345", "-12.345", "-12345"}}) {
+    EXPECT_EQ(parse_number(QString::fromLatin1(text)), std::nullopt) << text;
+    const QString readings = two_readings(QString::fromLatin1(text));
+    EXPECT_TRUE(readings.contains(QStringLiteral(" %1 ").arg(QLatin1String(one)))) << readings.toStdString();
+    EXPECT_TRUE(readings.contains(QStringLiteral(" %1:").arg(QLatin1String(other)))) << readings.toStdString();
+  }
+  for (const auto& [text, number] : {std::pair("0,125", 0.125),
+                                     {"1,5", 1.5},
+                                     {"1,00", 1.0},
+                                     {"1,0000", 1.0},
+                                     {"1234,567", 1234.567},
+                                     {"1.000", 1.0},
+                                     {",125", 0.125}})
+    EXPECT_EQ(parse_number(QString::fromLatin1(text)), number) << text;
+  EXPECT_EQ(parse_number(QStringLiteral("1,000,000")), std::nullopt);
+}
+
+TEST(NumberField, ReadsACommaAndSaysWhyANumberIsNotTaken) {
+  NumberField field;
+  field.setDecimals(1);
+  field.setRange(0.0, 600.0);
+  field.setSuffix(QStringLiteral(" s"));
+  field.setSpecialValueText(QStringLiteral("at once"));
+  QString refused;
+  QObject::connect(&field, &NumberField::refused, &field, [&](const QString& why) { refused = why; });
+  const auto type = [&](const char* text) {
+    refused.clear();
+    field.selectAll();
+    QTest::keyClicks(&field, QString::fromLatin1(text));
+    QTest::keyClick(&field, Qt::Key_Return);
+    return field.value();
+  };
+  EXPECT_EQ(field.text(), QStringLiteral("at once"));
+  EXPECT_EQ(type("1,5"), 1.5);
+  EXPECT_TRUE(refused.isEmpty()) << refused.toStdString();
+  EXPECT_EQ(type("2,000"), 1.5) << "nobody knows whether 2 or 2000 is meant";
+  EXPECT_TRUE(refused.contains(QStringLiteral("2.000 or 2000"))) << refused.toStdString();
+  EXPECT_EQ(type("1.2.3"), 1.5);
+  EXPECT_TRUE(refused.contains(QStringLiteral("found 1.2.3"))) << refused.toStdString();
+  EXPECT_EQ(type("0"), 0.0);
+  EXPECT_EQ(field.text(), QStringLiteral("at once"));
+  QTest::keyClick(&field, Qt::Key_Return);
+  EXPECT_TRUE(refused.isEmpty()) << refused.toStdString();
+}
+
+TEST(PairTable, ShowsSmallGainsOfManyRobotsWhole) {
+  PairTable table;
+  table.resize(250, 300);
+  table.show();
+  constexpr std::size_t robots = 20;
+  table.show_robots(robots);
+  table.refresh([](core::GainName, std::size_t, std::size_t) { return PairModel::Pair{0.00126, 0.1, true}; });
+  const auto* cells = static_cast<const QTableView*>(table.cells());
+  const QString text = cells->model()->index(0, 1).data().toString();
+  EXPECT_EQ(text, QStringLiteral("0.00126"));
+  EXPECT_GE(cells->columnWidth(1), cells->fontMetrics().horizontalAdvance(text) + 6) << "cut off";
+}
+
+TEST(ReplayRun, SaysWhichRecordedBatteryIsLow) {
+  auto recorded = std::make_shared<app::RecordedRun>();
+  recorded->experiment = app::paper_experiment();
+  recorded->experiment.robots[3].type = core::find_robot_type("khepera4");
+  app::TickRecord row = standing(recorded->experiment);
+  const std::array volts{3.4, 3.9, app::none, 6.5};
+  for (std::size_t i = 0; i < volts.size(); ++i) row.robots[i].link.battery = volts[i];
+  recorded->rows = {row};
+  ReplayRun run;
+  run.load(recorded);
+  std::vector<bool> low;
+  for (const app::RobotStatus& robot : run.robots()) low.push_back(robot.battery_low);
+  EXPECT_EQ(low, (std::vector{true, false, false, true}));
 }
 
 TEST(RunHistory, KeepsTheRunOnly) {

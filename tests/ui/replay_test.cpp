@@ -12,6 +12,7 @@
 
 #include "app/record/csv_file.h"
 #include "operator.h"
+#include "tests/files.h"
 #include "ui/base/dialogs.h"
 #include "ui/base/why.h"
 #include "ui/gains/gains_panel.h"
@@ -34,6 +35,14 @@ class Replay : public Operator {
     auto session = app::Session::open(experiment, app::Session::Clock::virtual_, {false, {&csv}});
     (*session)->run();
     csv.finish();
+    return file;
+  }
+  /// A file of this name with this text.
+  QString written(const char* name, const QByteArray& text) {
+    const QString file = dir.filePath(QLatin1String(name));
+    QFile out(file);
+    EXPECT_TRUE(out.open(QIODevice::WriteOnly));
+    EXPECT_EQ(out.write(text), text.size());
     return file;
   }
   void replay(const QString& file) {
@@ -181,42 +190,25 @@ TEST_F(Replay, TurnsTheLiveControlsOffAndSaysWhy) {
 }
 
 TEST_F(Replay, SaysWhereARunComesOutDifferently) {
-  const QString file = recorded();
-  QFile csv(file);
-  ASSERT_TRUE(csv.open(QIODevice::ReadWrite));
-  QByteArray text = csv.readAll();
+  QByteArray text = QByteArray::fromStdString(skein::test::read_file(recorded().toStdString()));
   // Another gain than the one that was used.
   ASSERT_TRUE(text.contains("k_yy = 0.08"));
-  text.replace("k_yy = 0.08", "k_yy = 0.07");
-  csv.resize(0);
-  csv.write(text);
-  csv.close();
-  replay(file);
+  replay(written("changed.csv", text.replace("k_yy = 0.08", "k_yy = 0.07")));
   EXPECT_TRUE(alert().contains(QStringLiteral("differ, first"))) << alert().toStdString();
   EXPECT_TRUE(alert().contains(QStringLiteral("has been changed"))) << alert().toStdString();
 }
 
 TEST_F(Replay, SaysWhatIsWrongWithAFile) {
-  const QString file = dir.filePath(QStringLiteral("broken.csv"));
-  QFile csv(file);
-  ASSERT_TRUE(csv.open(QIODevice::WriteOnly));
-  csv.write("# skein 0.1.0\nt,tick,r1_x\n0,0,zebra\n");
-  csv.close();
   start();
-  window.open_recording(file);
+  window.open_recording(written("broken.csv", "# skein 0.1.0\nt,tick,r1_x\n0,0,zebra\n"));
   ASSERT_TRUE(eventually([&] { return window.findChild<QWidget*>(QStringLiteral("problem_dialog")) != nullptr; }));
   EXPECT_TRUE(running()) << "what ran went on";
   delete find<QWidget>("problem_dialog");
 }
 
 TEST_F(Replay, SaysThatANewerProgramWroteWhatItCannotRead) {
-  const QString file = dir.filePath(QStringLiteral("newer.csv"));
-  QFile csv(file);
-  ASSERT_TRUE(csv.open(QIODevice::WriteOnly));
-  csv.write("# skein 99.1.0\n#| warp = 9\nt,tick,r1_x\n0,0,0\n");
-  csv.close();
   window.show();
-  window.open_recording(file);
+  window.open_recording(written("newer.csv", "# skein 99.1.0\n#| warp = 9\nt,tick,r1_x\n0,0,0\n"));
   MessageDialog* problem = nullptr;
   ASSERT_TRUE(eventually([&] { return (problem = window.findChild<MessageDialog*>()) != nullptr; }));
   EXPECT_TRUE(problem->text().contains(QStringLiteral("warp"))) << problem->text().toStdString();

@@ -56,6 +56,18 @@ TEST_F(Results, AreThoseOfTheCommandLine) {
   EXPECT_EQ(all_ticks, all_hold);
 }
 
+TEST_F(Results, OfARecordingHaveTheirTicksAndCrosses) {
+  app::Experiment experiment;
+  const std::vector<app::TickRecord> rows = run({"duration=30"}, experiment);
+  RunResults results(experiment);
+  for (const app::TickRecord& row : rows) {
+    if (row.phase != app::Phase::running) continue;  // a recording has no row after its last tick
+    EXPECT_FALSE(results.is_over()) << row.t;
+    results.add_record(row);
+  }
+  EXPECT_TRUE(results.is_over());
+}
+
 /// A report is saved, and gnuplot or not: what is missing is said.
 class Report : public Results {
  protected:
@@ -244,7 +256,7 @@ TEST_F(Results, AreNotJudgedInACopyBeforeTheRunIsOver) {
   const std::vector<app::TickRecord> rows = run({"duration=20", "expect.arrived=19"}, experiment);
   RunResults results(experiment);
   for (const app::TickRecord& row : rows) {
-    if (row.phase == app::Phase::finished) break;
+    if (row.t > 19.5) break;
     results.add_record(row);
   }
   ASSERT_FALSE(results.expectations().empty());
