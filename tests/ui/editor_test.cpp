@@ -5,12 +5,14 @@
 #include <QListWidget>
 #include <QMessageBox>
 #include <QPointer>
+#include <QRegularExpression>
 #include <QTextBlock>
 #include <cmath>
 
 #include "large_experiment.h"
 #include "operator.h"
 #include "tests/app/rows.h"
+#include "ui/editor/editor_form.h"
 #include "ui/editor/experiment_editor.h"
 #include "ui/editor/toml_text.h"
 #include "ui/gains/gains_panel.h"
@@ -349,6 +351,16 @@ TEST_F(Editor, AFileThatWasBrokenMeanwhileIsNotSaidToHaveChangedSinceItWasRead) 
   text->setPlainText(paper);
   QTest::mouseClick(&button("editor_save"), Qt::LeftButton);
   EXPECT_EQ(editor->findChild<QMessageBox*>(QStringLiteral("editor_overwrite_dialog")), nullptr);
+}
+
+TEST(EditorForm, ShowsTheGainsOfAFileThatHasNone) {
+  EditorForm form;
+  for (const auto& [name, value] : {std::pair("k_xx", "0.008"), {"k_tt", "0.025"}, {"k_yy", "0.08"}}) {
+    const auto fields =
+        form.findChildren<QLineEdit*>(QRegularExpression(QStringLiteral(".*%1$").arg(QLatin1String(name))));
+    ASSERT_EQ(fields.size(), 1) << name;
+    EXPECT_EQ(fields.front()->placeholderText(), QLatin1String(value)) << name;
+  }
 }
 
 }  // namespace

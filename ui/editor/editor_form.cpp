@@ -5,6 +5,7 @@
 #include <QLabel>
 #include <QLineEdit>
 
+#include "app/experiment/experiment_file.h"
 #include "app/experiment/experiment_keys.h"
 
 namespace skein::ui {
@@ -44,6 +45,7 @@ EditorForm::EditorForm(QWidget* parent) : QWidget(parent) {
     layout->addRow(label);
   };
   const app::Experiment defaults;
+  const core::CouplingGains gains = app::paper_experiment().controller.gains;  // without robots there are no pairs
   const auto number = [](double value) { return QString::number(value); };
   add("name", tr("Name"));
   add("duration", tr("Duration"));
@@ -57,9 +59,9 @@ EditorForm::EditorForm(QWidget* parent) : QWidget(parent) {
   add("controller.coupling", tr("Coupling"));
   add("controller.v_max", tr("v limit"));
   add("controller.omega_max", tr("ω limit"));
-  add("controller.gains.k_xx", tr("k_xx"), number(defaults.controller.gains.k_xx.largest()), QStringLiteral("m/s"));
-  add("controller.gains.k_tt", tr("k_θθ"), number(defaults.controller.gains.k_tt.largest()), QStringLiteral("rad/s"));
-  add("controller.gains.k_yy", tr("k_yy"), number(defaults.controller.gains.k_yy.largest()), QStringLiteral("rad/s"));
+  add("controller.gains.k_xx", tr("k_xx"), number(gains.k_xx.largest()), QStringLiteral("m/s"));
+  add("controller.gains.k_tt", tr("k_θθ"), number(gains.k_tt.largest()), QStringLiteral("rad/s"));
+  add("controller.gains.k_yy", tr("k_yy"), number(gains.k_yy.largest()), QStringLiteral("rad/s"));
   heading(tr("Safety"));
   add("avoidance.enabled", tr("Avoidance"));
   add("shield.enabled", tr("Shield"));

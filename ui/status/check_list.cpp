@@ -256,7 +256,8 @@ void CheckList::show_pictures(const std::vector<app::UnseenTag>& tags) {
 
 void CheckList::dress() {
   const Colours c = colours(palette());
-  const bool all_lines = every_line_ || app::all_hold(checks_) || !is_crowded();
+  crowded_ = is_crowded();
+  const bool all_lines = every_line_ || app::all_hold(checks_) || !crowded_;
   int folded = 0;
   for (const app::Check& check : checks_) {
     const Row& row = rows_[static_cast<std::size_t>(check.what)];
@@ -320,6 +321,7 @@ void CheckList::keep_lines_whole() {
 }
 
 void CheckList::resizeEvent(QResizeEvent* event) {
+  if (crowded_ != is_crowded()) dress();
   keep_lines_whole();
   if (event->size().width() != event->oldSize().width()) updateGeometry();
   scroll_to_amiss();

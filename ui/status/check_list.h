@@ -62,7 +62,7 @@ class CheckList final : public QWidget {
   double size_ = 0.0;  // that it would set [m]
   QLabel *folded_text_, *anyway_text_;
   QPushButton* anyway_;
-  bool every_line_ = false;
+  bool every_line_ = false, crowded_ = false;
   QScrollArea* scroll_;  // if there is little room
   QWidget* list_;
   std::optional<app::Check::What> amiss_;  // the first failed check, to which the list scrolls
