@@ -355,6 +355,7 @@ TEST_F(Editor, AFileThatWasBrokenMeanwhileIsNotSaidToHaveChangedSinceItWasRead) 
 
 TEST(EditorForm, ShowsTheGainsOfAFileThatHasNone) {
   EditorForm form;
+  form.show_values(std::vector<std::optional<std::string>>(form.keys().size()));
   for (const auto& [name, value] : {std::pair("k_xx", "0.008"), {"k_tt", "0.025"}, {"k_yy", "0.08"}}) {
     const auto fields =
         form.findChildren<QLineEdit*>(QRegularExpression(QStringLiteral(".*%1$").arg(QLatin1String(name))));
