@@ -58,6 +58,7 @@ class Editor : public Operator {
 };
 
 TEST_F(Editor, SaysItsVerdictInTheColoursOfThePaletteThatIsChosenWhileItIsOpen) {
+  window.set_theme(Theme::light);  // whatever a test before it has stored
   stand();
   open_editor();
   const auto* verdict = editor->findChild<QLabel*>(QStringLiteral("editor_verdict"));
