@@ -183,8 +183,8 @@ SidestepSearch::Lane SidestepSearch::begin(const Query& query, const Reference& 
   lattice_ = &lattice;
   samples_ = 0;
   constexpr auto far = static_cast<std::size_t>(looks_ahead / step);
-  if (!look(0, far)) return Lane::free;
-  look(far, samples);
+  if (!sample(0, far)) return Lane::free;
+  sample(far, samples);
   manner_ = 0;
   if (!begin_again()) return Lane::free;
   const double middle = 0.5 * step * static_cast<double>(first_ + last_);
@@ -193,7 +193,7 @@ SidestepSearch::Lane SidestepSearch::begin(const Query& query, const Reference& 
 }
 
 /// Where the place will be; whether it meets an obstacle. Only the place may lie beyond the edge, never the robot.
-bool SidestepSearch::look(std::size_t from, std::size_t to) noexcept {
+bool SidestepSearch::sample(std::size_t from, std::size_t to) noexcept {
   bool blocked = false;
   for (std::size_t k = from; k < to; ++k) {
     const ReferencePoint at = late(*reference_, query_.robot, query_.t + step * static_cast<double>(k), query_.delay);

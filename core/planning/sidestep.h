@@ -85,7 +85,7 @@ class SidestepSearch {
     double heading, turning;  // means [rad, rad/s]
     bool blocked;             // by an obstacle
   };
-  bool look(std::size_t from, std::size_t to) noexcept;
+  bool sample(std::size_t from, std::size_t to) noexcept;
   void take_means() noexcept;
   bool find_obstacles() noexcept;
   double needs(double side, std::size_t k) noexcept;

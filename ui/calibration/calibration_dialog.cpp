@@ -230,8 +230,8 @@ app::CalibratedCamera CalibrationDialog::camera() const {
   return {source, size_->text().trimmed().toStdString(), is_camera ? settings_ : std::vector<std::string>{}};
 }
 
-void CalibrationDialog::look() {
-  if (wants_floor_) return floor_->look(camera(), file_->text().trimmed());
+void CalibrationDialog::use_camera() {
+  if (wants_floor_) return floor_->use_camera(camera(), file_->text().trimmed());
   app::CalibrationBoard board;
   board.chessboard = kind_->currentIndex() == 1;
   board.columns = columns_->value();

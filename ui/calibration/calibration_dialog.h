@@ -51,7 +51,7 @@ class CalibrationDialog final : public QDialog {
   CalibrationDialog(const app::CalibratedCamera& camera, const QString& file, QWidget* parent);
   ~CalibrationDialog() override;
   /// The camera is free: shows its pictures from now on.
-  void look();
+  void use_camera();
   /// Begins with the floor.
   void show_floor() { tabs_->setCurrentWidget(floor_); }
   /// The camera is not free, and why.

@@ -182,7 +182,7 @@ FloorPage::~FloorPage() {
   ends_ = true;
 }
 
-void FloorPage::look(const app::CalibratedCamera& camera, const QString& calibration) {
+void FloorPage::use_camera(const app::CalibratedCamera& camera, const QString& calibration) {
   app::FloorQuestion question;
   question.source = camera.source;
   question.settings = camera.settings;

@@ -51,7 +51,7 @@ class FloorPage final : public QWidget {
   explicit FloorPage(QWidget* parent = nullptr);
   ~FloorPage() override;
   /// The camera is free: observes the floor now.
-  void look(const app::CalibratedCamera& camera, const QString& calibration);
+  void use_camera(const app::CalibratedCamera& camera, const QString& calibration);
   void refuse(const QString& why);
   /// Shows the tags of the last calibration.
   void show_known(const app::KnownFloor& floor);

@@ -213,7 +213,7 @@ void CameraPage::search() {
   found_ = app::find_cameras_aside();
 }
 
-void CameraPage::look(const app::Experiment& experiment, const app::WatchedCamera& camera) {
+void CameraPage::show_camera(const app::Experiment& experiment, const app::WatchedCamera& camera) {
   of_run_ = camera.of_run;
   watched_ = QString::fromStdString(camera.source);
   present_.clear();
@@ -227,7 +227,7 @@ void CameraPage::look(const app::Experiment& experiment, const app::WatchedCamer
   look_->setAccessibleName(look_->text());
 }
 
-void CameraPage::hand(const app::Picture& picture) {
+void CameraPage::show_picture(const app::Picture& picture) {
   if (wants_run()) watch_->hand(picture);
 }
 

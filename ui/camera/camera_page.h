@@ -56,10 +56,10 @@ class CameraPage final : public QDialog {
   QString source() const;
   QString calibration() const { return calibration_->text().trimmed(); }
   /// Shows this camera from now on.
-  void look(const app::Experiment& experiment, const app::WatchedCamera& camera);
+  void show_camera(const app::Experiment& experiment, const app::WatchedCamera& camera);
   /// Whether it shows the run's camera, whose pictures it is given.
   bool wants_run() const { return watch_ && of_run_; }
-  void hand(const app::Picture& picture);
+  void show_picture(const app::Picture& picture);
   /// Releases a camera that is not the run's.
   void let_go(const QString& why);
   /// The camera cannot be shown, and why.

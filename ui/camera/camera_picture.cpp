@@ -115,7 +115,8 @@ void CameraPicture::paintEvent(QPaintEvent*) {
     QPolygonF outline;
     for (const auto& [u, v] : tag.corners) outline << sheet.topLeft() + QPointF((u + 0.5) * scale, (v + 0.5) * scale);
     p.setBrush(Qt::NoBrush);
-    p.setPen(QPen(colour_of(tag.state, c), 2.5, tag.state == State::taken ? Qt::SolidLine : Qt::DashLine));
+    const bool taken = tag.state == State::taken;
+    p.setPen(QPen(colour_of(tag.state, c), 2.5, taken ? Qt::SolidLine : Qt::DashLine));
     p.drawPolygon(outline);
     drawn.push_back(outline.boundingRect());
   }

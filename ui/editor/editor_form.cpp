@@ -45,7 +45,7 @@ EditorForm::EditorForm(QWidget* parent) : QWidget(parent) {
     layout->addRow(label);
   };
   const app::Experiment defaults;
-  const core::CouplingGains gains = app::paper_experiment().controller.gains;  // without robots there are no pairs
+  const auto gains = app::paper_experiment().controller.gains;  // without robots there are no pairs
   const auto number = [](double value) { return QString::number(value); };
   add("name", tr("Name"));
   add("duration", tr("Duration"));

@@ -45,7 +45,7 @@ void CalibrationController::take_camera(CalibrationDialog* dialog) {
 }
 
 void CalibrationController::refresh() {
-  if (waiting_ && !live_.is_busy()) std::exchange(waiting_, nullptr)->look();
+  if (waiting_ && !live_.is_busy()) std::exchange(waiting_, nullptr)->use_camera();
 }
 
 }  // namespace skein::ui

@@ -12,7 +12,7 @@ namespace skein::ui {
 CameraController::CameraController(Runs& runs, EditorController& editor, const Messages& messages, QObject* parent)
     : QObject(parent), runs_(runs), live_(runs.live()), editor_(editor), messages_(messages) {
   connect(&live_, &LiveRun::opened, this, [this] {
-    if (page_ && run_has_picture()) look();
+    if (page_ && run_has_picture()) show_camera();
   });
 }
 
@@ -31,13 +31,13 @@ void CameraController::show() {
   const bool absent = spec.kind() == app::CameraKind::absent;
   page_ = new CameraPage(absent ? QString() : QString::fromStdString(spec.source),
                          QString::fromStdString(experiment.calibration_file(0)), messages_.window());
-  connect(page_, &CameraPage::look_wanted, this, &CameraController::look);
+  connect(page_, &CameraPage::look_wanted, this, &CameraController::show_camera);
   connect(page_, &CameraPage::values_wanted, this, &CameraController::put);
   page_->show();
-  if (run_has_picture()) look();
+  if (run_has_picture()) show_camera();
 }
 
-void CameraController::look() {
+void CameraController::show_camera() {
   const app::Experiment& experiment = runs_.shown().experiment();
   const std::string source = page_->source().toStdString();
   if (source.empty()) return page_->refuse(tr("Choose a camera: Search lists those that are connected"));
@@ -53,15 +53,15 @@ void CameraController::look() {
     camera.trigger = spec.trigger;
     camera.settings = app::control_settings(spec);
   }
-  page_->look(experiment, camera);
+  page_->show_camera(experiment, camera);
 }
 
 void CameraController::let_go() {
   if (page_) page_->let_go(tr("An experiment is opened, which may need the camera"));
 }
 
-void CameraController::hand(const app::Picture& picture) {
-  if (page_) page_->hand(picture);
+void CameraController::show_picture(const app::Picture& picture) {
+  if (page_) page_->show_picture(picture);
 }
 
 void CameraController::put(const CameraPage::Values& values) {

@@ -19,10 +19,10 @@ class CameraController final : public QObject {
   /// A session is about to be opened, which may want the camera.
   void let_go();
   bool wants_picture() const { return page_ && page_->wants_run(); }  ///< of the run
-  void hand(const app::Picture& picture);
+  void show_picture(const app::Picture& picture);
 
  private:
-  void look();
+  void show_camera();
   void put(const CameraPage::Values& values);
   bool run_has_picture() const;
 

@@ -185,7 +185,7 @@ void ConnectController::refresh() {
   }
   if (work_) {
     const app::SetupNews news = work_->news();
-    take(news);
+    show_news(news);
     if (news.over) {
       work_.reset();
       if (page_) page_->set_working(false);
@@ -203,7 +203,7 @@ void ConnectController::give_back() {
   emit experiment_wanted(app::Experiment(live_.experiment()));
 }
 
-void ConnectController::take(const app::SetupNews& news) {
+void ConnectController::show_news(const app::SetupNews& news) {
   for (const auto& [row, robot] : news.robots) {
     // Another experiment may be shown by now.
     if (row >= robots_.size() || !app::is_same_robot(robots_[row].spec, robot.spec)) continue;

@@ -42,7 +42,7 @@ class ConnectController final : public QObject {
  private:
   void begin(app::SetupTask::Kind kind);
   void start(app::SetupTask task);
-  void take(const app::SetupNews& news);
+  void show_news(const app::SetupNews& news);
   void tell_end(const app::SetupNews& news);
   void give_back();
   void add();

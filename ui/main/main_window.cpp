@@ -682,7 +682,7 @@ void MainWindow::on_frame(double now) {
   connect_->refresh();
   app::Picture picture;
   if ((arena_->shows_picture() || camera_->wants_picture()) && runs_.live().picture(picture)) {
-    camera_->hand(picture);
+    camera_->show_picture(picture);
     if (arena_->shows_picture()) arena_->set_picture(picture);
   }
   arena_->refresh();
