@@ -105,6 +105,7 @@ void EditorForm::add(const char* name, const QString& label, const QString& usua
 
 std::vector<std::string> EditorForm::keys() const {
   std::vector<std::string> keys;
+  keys.reserve(fields_.size());
   for (const Field& field : fields_) keys.push_back(field.name.toStdString());
   return keys;
 }
