@@ -27,7 +27,7 @@ namespace {
 
 const std::string experiments = skein::test::in_source("resources/experiments/");
 
-using test::read_file;
+using skein::test::read_file;
 
 /// A folder of this test alone, gone afterwards.
 class Folder {
