@@ -3,7 +3,7 @@ _skein() {
   # bash takes words apart at = and :, the programs do not.
   local words=() glued=0 word i
   for ((i = 1; i <= COMP_CWORD; ++i)); do
-    word=${COMP_WORDS[i]}
+    word=${COMP_WORDS[i]//\\/}  # as typed: a blank in a name has a backslash before it
     if [[ ${#words[@]} -gt 0 && ( $word == [=:]* || $glued -eq 1 ) ]]; then
       words[-1]+=$word
     else
@@ -14,7 +14,7 @@ _skein() {
   local typed=${words[-1]} line files=0
   local current=${COMP_WORDS[COMP_CWORD]}
   [[ $current == [=:] ]] && current=
-  local before=${typed%"$current"}
+  local before=${typed%"${current//\\/}"}
   COMPREPLY=()
   while IFS= read -r line; do
     if [[ $line == @files ]]; then files=1; else line=${line%%$'\t'*}; COMPREPLY+=("${line#"$before"}"); fi

@@ -334,12 +334,14 @@ TEST_F(Mistakes, ACompletedNameIsNoCommand) {
   for (const char* const name : {"$(touch owned)", "a;touch owned", "a b", "`touch owned`", "it's"})
     keep_run(name, "2026-11-01T12:00:00.000+01:00", 0);
   write("complete.bash", "source '" + skein::test::in_source("resources/completion/skein.bash") +
-                             "'\nCOMP_WORDS=(\"$1\" runs show '') COMP_CWORD=3\n_skein\n"
+                             "'\nCOMP_WORDS=(\"$1\" runs show \"$2\") COMP_CWORD=3\n_skein\n"
                              "for word in \"${COMPREPLY[@]}\"; do eval \"set -- $word\"; echo \"$#: $1\"; done\n");
   EXPECT_EQ(shell("export SKEIN_RUNS=$PWD/runs; bash complete.bash \"$skein\""), 0) << said;
   EXPECT_FALSE(exists("owned"));
   for (const char* const name : {"$(touch owned)", "a;touch owned", "a b", "`touch owned`", "it's", "last"})
     EXPECT_THAT(out, HasSubstr("1: " + std::string(name) + "\n"));
+  EXPECT_EQ(shell("export SKEIN_RUNS=$PWD/runs; bash complete.bash \"$skein\" 'a\\ '"), 0) << said;
+  EXPECT_EQ(out, "1: a b\n") << "a name that was half typed";
 }
 
 /// Else `last` would be a run that nobody made.
