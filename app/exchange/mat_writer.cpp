@@ -5,6 +5,8 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "app/run/utf8.h"
+
 namespace skein::app {
 namespace {
 
@@ -48,28 +50,16 @@ std::string utf16(std::string_view text) {
     result += static_cast<char>(static_cast<unsigned char>(value));
     result += static_cast<char>(static_cast<unsigned char>(value >> 8));
   };
-  for (std::size_t i = 0; i < text.size();) {
-    const auto byte = static_cast<unsigned char>(text[i]);
-    const std::size_t length = byte < 0x80 ? 1 : byte >= 0xF0 && byte < 0xF5 ? 4 : byte >= 0xE0 ? 3 : 2;
-    std::uint32_t code = length == 1 ? byte : byte & (0xFFU >> (length + 1));
-    bool valid = byte < 0x80 || (byte >= 0xC2 && byte < 0xF5 && i + length <= text.size());
-    for (std::size_t k = 1; valid && k < length; ++k) {
-      const auto next = static_cast<unsigned char>(text[i + k]);
-      valid = (next & 0xC0U) == 0x80U;
-      code = code << 6 | (next & 0x3FU);
-    }
-    if (!valid) {
-      unit('?');
-      ++i;
-      continue;
-    }
+  while (!text.empty()) {
+    const auto [letter, bytes] = first_letter(text);
+    text.remove_prefix(bytes.size());
+    const std::uint32_t code = letter.value_or(U'?');
     if (code >= 0x10000) {
       unit(0xD800 + ((code - 0x10000) >> 10));
       unit(0xDC00 + ((code - 0x10000) & 0x3FFU));
     } else {
       unit(code);
     }
-    i += length;
   }
   return result;
 }
