@@ -6,12 +6,6 @@
 
 namespace skein::comms {
 
-std::optional<double> charge_below(std::string_view protocol) noexcept {
-  if (protocol == "open") return std::nullopt;
-  if (protocol == "khepera4") return 6.8;  // two cells of 3.4 V
-  return 3.5;                              // empty is 3.4 V
-}
-
 Battery battery_of(int raw) noexcept {
   Battery battery;
   if (raw == 0 || raw == 1) {
@@ -23,7 +17,7 @@ Battery battery_of(int raw) noexcept {
     battery.volts = 3.4 + (raw - 2070) * (4.2 - 3.4) / (2560 - 2070);
   else if (raw > 2600 && raw <= 4095)
     battery.volts = raw / 819.2;
-  battery.low = battery.volts < charge_below({});
+  battery.low = battery.volts < epuck_charge_below;
   return battery;
 }
 

@@ -1,9 +1,7 @@
 #pragma once
 
 #include <limits>
-#include <optional>
 #include <string>
-#include <string_view>
 
 namespace skein::comms {
 
@@ -15,9 +13,8 @@ struct Battery {
   bool good = false;  ///< reported by an old e-puck1
 };
 
-/// A battery with less than this is low [V], by the robot's protocol (comms/protocol.h; empty: an e-puck's); none: the
-/// robot says itself when it is.
-std::optional<double> charge_below(std::string_view protocol) noexcept;
+/// An e-puck's battery with less than this is low; with 3.4 V it is empty. [V]
+inline constexpr double epuck_charge_below = 3.5;
 
 /// Interprets a raw battery value. An e-puck2 reports 819.2 per volt, an e-puck1 of hardware 1.3 reports 2070 to 2560
 /// for 3.4 to 4.2 V, an older one 1 or, below 3.4 V, 0. Other values are invalid.

@@ -100,7 +100,7 @@ void KheperaSession::line(std::string_view text, double now) {
     read_counters({khepera_steps(numbers[0]), khepera_steps(numbers[1])}, std::max(asked_at_, answered_at_), now);
   if (awaited_ == 'v' && numbers.size() == 1) {
     const double volts = 1e-3 * static_cast<double>(numbers[0]);
-    read_battery(Battery{.volts = volts, .low = volts < charge_below("khepera4")}, now);
+    read_battery(Battery{.volts = volts, .low = volts < khepera_charge_below}, now);
   }
   awaited_ = 0, answered_at_ = now;
   if (!lines_.empty()) {

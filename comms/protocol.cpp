@@ -4,6 +4,7 @@
 #include <array>
 
 #include "comms/asercom_session.h"
+#include "comms/battery.h"
 #include "comms/epuck_wifi.h"
 #include "comms/khepera_session.h"
 #include "comms/open_session.h"
@@ -38,20 +39,23 @@ constexpr std::array table{
              .unit = {},
              .make_session = make<AsercomSession>,
              .stop_bytes = stop_sequence,
-             .acknowledged = asercom_acknowledged},
+             .acknowledged = asercom_acknowledged,
+             .charge_below = epuck_charge_below},
     Protocol{.name = "wifi",
              .unit = {},
              .make_session = make<WifiSession>,
              .stop_bytes = wifi_stop,
              .acknowledged = says_anything,
-             .answers_stop = false},
+             .answers_stop = false,
+             .charge_below = epuck_charge_below},
     // Its answer to a stop may be that to a line before it.
     Protocol{.name = "khepera4",
              .unit = khepera_unit,
              .make_session = make<KheperaSession>,
              .stop_bytes = khepera_stop,
              .acknowledged = khepera_acknowledged,
-             .answers_stop = false},
+             .answers_stop = false,
+             .charge_below = khepera_charge_below},
     Protocol{.name = "open",
              .unit = open_unit,
              .make_session = make<OpenSession>,

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -23,6 +24,7 @@ struct Protocol {
   /// False: `acknowledged` proves only that the connection works; whether the robot stands must be asked over a new
   /// one.
   bool answers_stop = true;
+  std::optional<double> charge_below{};  ///< a battery with less is low [V]; none: the robot itself reports that
 };
 
 /// All of them.

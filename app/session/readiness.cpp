@@ -9,7 +9,7 @@
 
 #include "app/experiment/at_start.h"
 #include "app/session/plant.h"
-#include "comms/battery.h"
+#include "comms/protocol.h"
 
 namespace skein::app {
 namespace {
@@ -213,7 +213,9 @@ std::vector<Check> readiness(const Experiment& experiment, const Certificate* ce
 }
 
 bool is_low(const RobotSpec& robot, double battery) {
-  const auto least = comms::charge_below(robot.type->protocol);
+  comms::LinkAddress usual;
+  usual.protocol = robot.type->protocol;
+  const std::optional<double> least = comms::protocol_of(usual).charge_below;
   return least && battery < *least;  // of NaN: no
 }
 

@@ -41,8 +41,8 @@ struct Check {
 std::vector<Check> readiness(const Experiment& experiment, const Certificate* certificate, const TickRecord* record,
                              std::span<const RobotStatus> robots, const CameraStatus& camera = {});
 
-/// Whether a robot whose battery has this voltage is to be charged. A robot that says itself when, as an open one does,
-/// never is by its voltage.
+/// Whether a battery of this robot with this voltage [V] is low. False if the robot itself reports that
+/// (comms::Protocol, `charge_below`), or the voltage is not known.
 bool is_low(const RobotSpec& robot, double battery);
 
 /// The value of [tags] size, in whole millimetres, with which robots would be seen whose tags are not accepted for
