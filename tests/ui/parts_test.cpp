@@ -324,7 +324,7 @@ TEST(ArenaScene, DrawsNoLineWhereAHandCarriedARobot) {
 TEST(Numbers, ThatCanBeReadInTwoWaysAreNotTakenAndBothAreNamed) {
   for (const auto& [text, one, other] : {std::tuple("1,000", "1.000", "1000"), {"-12,345", "-12.345", "-12345"}}) {
     EXPECT_EQ(parse_number(QString::fromLatin1(text)), std::nullopt) << text;
-    const QString readings = two_readings(QString::fromLatin1(text));
+    const QString readings = why_refused(QString::fromLatin1(text), QStringLiteral("a number"));
     EXPECT_TRUE(readings.contains(QStringLiteral(" %1 ").arg(QLatin1String(one)))) << readings.toStdString();
     EXPECT_TRUE(readings.contains(QStringLiteral(" %1:").arg(QLatin1String(other)))) << readings.toStdString();
   }

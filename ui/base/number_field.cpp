@@ -15,6 +15,15 @@ namespace {
 
 constexpr double largest_number = 1e6;
 
+/// Both numbers that the text may mean, in a sentence; empty: it cannot be read in two ways.
+QString two_readings(const QString& text) {
+  static const QRegularExpression either(QStringLiteral("^([+-]?[1-9]\\d{0,2}),(\\d{3})$"));
+  const QRegularExpressionMatch match = either.match(text.trimmed());
+  if (!match.hasMatch()) return {};
+  const QString whole = match.captured(1), rest = match.captured(2);
+  return tr("%1 may mean %2.%3 or %2%3: type one of these").arg(match.captured(0), whole, rest);
+}
+
 }  // namespace
 
 std::optional<double> parse_number(const QString& text) {
@@ -24,12 +33,11 @@ std::optional<double> parse_number(const QString& text) {
   return is_number && std::isfinite(number) ? std::optional(number) : std::nullopt;
 }
 
-QString two_readings(const QString& text) {
-  static const QRegularExpression either(QStringLiteral("^([+-]?[1-9]\\d{0,2}),(\\d{3})$"));
-  const QRegularExpressionMatch match = either.match(text.trimmed());
-  if (!match.hasMatch()) return {};
-  const QString whole = match.captured(1), rest = match.captured(2);
-  return tr("%1 may mean %2.%3 or %2%3: type one of these").arg(match.captured(0), whole, rest);
+QString why_refused(const QString& text, const QString& allowed) {
+  const QString readings = two_readings(text);
+  const QString typed = text.trimmed();
+  return !readings.isEmpty() ? readings
+                             : tr("found %1, allowed: %2").arg(typed.isEmpty() ? tr("nothing") : typed, allowed);
 }
 
 NumberField::NumberField(QWidget* parent) : QDoubleSpinBox(parent) {
@@ -60,8 +68,7 @@ QValidator::State NumberField::validate(QString& input, int&) const {
 void NumberField::fixup(QString& input) const {
   const QString number = number_in(input);
   if (number.isEmpty()) return;
-  const QString readings = two_readings(number);
-  emit refused(readings.isEmpty() ? tr("found %1, allowed: a number").arg(number) : readings);
+  emit refused(why_refused(number, tr("a number")));
 }
 
 double NumberField::valueFromText(const QString& text) const {

@@ -5,12 +5,12 @@
 
 namespace skein::ui {
 
-/// A number as people type it, with either decimal sign; empty: it is not a number, or it is one of two.
+/// A number as people type it, with either decimal sign; empty: it is not a number, or it can be read in two ways, as
+/// "1,000", whose comma may be a decimal sign or separate thousands.
 std::optional<double> parse_number(const QString& text);
 
-/// Of "1,000", whose comma may be a decimal sign or separate thousands: a sentence that names both numbers. Empty: the
-/// text cannot be read in two ways.
-QString two_readings(const QString& text);
+/// Why a typed text is refused: both numbers of one that can be read in two ways, else "found TEXT, allowed: ALLOWED".
+QString why_refused(const QString& text, const QString& allowed);
 
 /// A spin box that accepts any typed number: the code that uses it clamps values that are too large or too small, and
 /// reports that. Qt's own box discards digits that would leave its range: "0.3" becomes 0 where the maximum is 0.17.
@@ -29,7 +29,7 @@ class NumberField final : public QDoubleSpinBox {
   QSize minimumSizeHint() const override { return sizeHint(); }
 
  signals:
-  void refused(const QString& why) const;  ///< what was typed is not a number, or one of two
+  void refused(const QString& why) const;  ///< what was typed is not a number, or can be read in two ways
 
  private:
   QString number_in(const QString& text) const;  // without the suffix; of words that stand for a number, this number

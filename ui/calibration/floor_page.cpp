@@ -93,12 +93,10 @@ bool FloorModel::setData(const QModelIndex& index, const QVariant& value, int ro
   const bool is_id = index.column() == id;
   if (!typed || std::abs(number) > (is_id ? app::FloorTag::largest_id : farthest) ||
       (is_id && (number < 0 || number != std::floor(number)))) {
-    const QString readings = two_readings(value.toString());
     const QString allowed = is_id ? tr("a whole number from 0 to %1").arg(app::FloorTag::largest_id)
                                   : tr("a number from -%1 to %1").arg(farthest);
-    emit refused(tr("%1: %2").arg(
-        headerData(index.column(), Qt::Horizontal, Qt::DisplayRole).toString(),
-        readings.isEmpty() ? tr("found %1, allowed: %2").arg(value.toString().trimmed(), allowed) : readings));
+    const QString column = headerData(index.column(), Qt::Horizontal, Qt::DisplayRole).toString();
+    emit refused(tr("%1: %2").arg(column, why_refused(value.toString(), allowed)));
     return false;
   }
   app::FloorTag& tag = tags_[static_cast<std::size_t>(index.row())];

@@ -111,14 +111,11 @@ bool PairModel::setData(const QModelIndex& index, const QVariant& value, int rol
   if (role != Qt::EditRole) return false;
   const auto number = parse_number(value.toString());
   if (!number || *number < 0.0) {
-    const QString readings = two_readings(value.toString());
     emit refused(tr("%1 of robots %2 and %3: %4")
                      .arg(gain_symbol(gain_))
                      .arg(i + 1)
                      .arg(j + 1)
-                     .arg(readings.isEmpty()
-                              ? tr("found %1, allowed: a number of at least 0").arg(value.toString().trimmed())
-                              : readings));
+                     .arg(why_refused(value.toString(), tr("a number of at least 0"))));
     return false;
   }
   emit gain_wanted(gain_, i, j, *number);

@@ -107,13 +107,8 @@ bool ScheduleModel::setData(const QModelIndex& index, const QVariant& value, int
   const auto number = parse_number(text);
   if (!(text.isEmpty() && may_be_empty) && !(number && *number >= 0.0)) {
     const QString column = headerData(index.column(), Qt::Horizontal, Qt::DisplayRole).toString();
-    if (const QString readings = two_readings(text); !readings.isEmpty()) {
-      emit refused(tr("Schedule, %1: %2").arg(column, readings));
-      return false;
-    }
-    emit refused((may_be_empty ? tr("Schedule, %1: found %2, allowed: a number of at least 0, or nothing")
-                               : tr("Schedule, %1: found %2, allowed: a number of at least 0"))
-                     .arg(column, text.isEmpty() ? tr("nothing") : text));
+    const QString allowed = may_be_empty ? tr("a number of at least 0, or nothing") : tr("a number of at least 0");
+    emit refused(tr("Schedule, %1: %2").arg(column, why_refused(text, allowed)));
     return false;
   }
   auto& cell = rows_[static_cast<std::size_t>(index.row())][static_cast<std::size_t>(index.column())];
