@@ -261,8 +261,8 @@ void Planner::run_clock(std::size_t i, const Scene& scene, double dt) noexcept {
   double wanted = std::clamp((error_stop - error) / (error_stop - error_free), 0.0, 1.0);
   wanted = std::min(wanted, may_run(i, scene));
   robot.rate += std::clamp(wanted - robot.rate, -rate_slope * dt, rate_slope * dt);
-  // Between walls it turns only where its route turns, and sets off only when it has turned. Before, it drove on beside
-  // its route, and the shield stopped it for good at the inside of a bend.
+  // Between walls it turns only where its route turns, and sets off only when it has turned. Otherwise it drives on
+  // beside its route, and the shield stops it for good at the inside of a bend.
   if (lattice(i).room(here.x, here.y) < between_walls) {
     const Pose& pose = scene.poses[i];
     const Twist last = robot.route.twist(robot.clock - dt, dt), next = robot.route.twist(robot.clock, dt);

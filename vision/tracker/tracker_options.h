@@ -25,11 +25,11 @@ struct TrackerOptions {
   double corner_sigma = corner_sigma_px;  // noise of AprilTag's corners [px]
   double shape_tolerance = 0.06;  // a tag larger, smaller or more slanted than this part of its size is not where its
                                   // pose says: it is held up (10 cm under a camera at 1.7 m), tilted or misprinted
-  double group_tolerance =
-      0.015;                      // how much larger than the other tags, where three and more are seen, a tag on the
-                                  // floor may look: 27 mm under a camera at 1.8 m. What is wrong with all of them is
-                                  // the calibration's tag_size or tag_height; a smaller tag is a misprint, in its place
-  double lift_tolerance = 0.012;  // the same, compared with what the tag itself has shown for the last seconds: it
+  // How much larger than the other tags, where three and more are seen, a tag on the floor may look: 27 mm under a
+  // camera at 1.8 m. What is wrong with all of them is the calibration's tag_size or tag_height; a smaller tag is a
+  // misprint, in its place.
+  double group_tolerance = 0.015;
+  double lift_tolerance = 0.012;  // as much, compared with what the tag itself has shown for the last seconds: it
                                   // was lifted, by 22 mm under a camera at 1.8 m. The picture has tilt and lens errors
                                   // of its own, but they change slowly while a robot drives
   int threads = 1;                // of a full search
