@@ -519,8 +519,9 @@ void TickState::follow_field() noexcept {
 /// continuous, and what they leave goes to the route.
 void TickState::follow_plan() noexcept {
   for (std::size_t i = 0; i < robots(); ++i) out[i] = is_out(i);
+  const double hurry = experiment.avoidance.formation_waits ? core::FormationClock::hurry(gains, demand) : 0.0;
   const auto release = [&](core::PairTable& table) {
-    if (table.uniform() && robots() > 1 && table(0, 1) == 0.0) return;  // there is nothing to release
+    if (table.none()) return;  // there is nothing to release
     for (std::size_t i = 0; i < robots(); ++i)
       for (std::size_t j = i + 1; j < robots(); ++j)
         if (const double share = planner->share(i) * planner->share(j); share < 1.0 && table(i, j) > 0.0)
@@ -539,7 +540,8 @@ void TickState::follow_plan() noexcept {
                                    out,
                                    stuck,
                                    obstacles.standing(),
-                                   *std::max_element(doubt.begin(), doubt.end())};
+                                   *std::max_element(doubt.begin(), doubt.end()),
+                                   hurry};
   planner->step(scene, gains, motion_dt, nominal, followed);
   for (std::size_t i = 0; i < robots(); ++i) {
     const std::size_t by = planner->taken_by(i);

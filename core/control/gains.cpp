@@ -27,12 +27,6 @@ Row row(const PairTable& table, std::size_t i) noexcept {
   return result;
 }
 
-/// Where there are no couplings, there is nothing to add up.
-double row_sum(const PairTable& table, std::size_t i) noexcept {
-  const bool none = table.uniform() && table.robots() > 1 && table(0, 1) == 0.0;
-  return none ? 0.0 : table.row_sum(i);
-}
-
 }  // namespace
 
 Gains paper_gains(std::size_t robots) {
@@ -60,9 +54,9 @@ void use_all_authority(Gains& gains, std::span<const Twist> reference) noexcept 
   for (std::size_t i = 0; i < gains.robots(); ++i) {
     const double v_ref = std::abs(reference[i].v);
     const double omega_ref = std::abs(reference[i].omega);
-    gains.k_x[i] = gains.v_max[i] - v_ref - row_sum(gains.k_xx, i);
+    gains.k_x[i] = gains.v_max[i] - v_ref - gains.k_xx.row_sum(i);
     gains.k_theta[i] =
-        gains.omega_max[i] - omega_ref - gains.k_y * v_ref - (row_sum(gains.k_tt, i) + row_sum(gains.k_yy, i));
+        gains.omega_max[i] - omega_ref - gains.k_y * v_ref - (gains.k_tt.row_sum(i) + gains.k_yy.row_sum(i));
   }
 }
 
@@ -107,9 +101,9 @@ Margins margins(const Gains& gains, std::size_t i, const Twist& reference) noexc
   m.c = -std::max({k_xx.asymmetry, k_tt.asymmetry, k_yy.asymmetry});
   m.d = -std::max({c_xx.asymmetry, c_tt.asymmetry, c_yy.asymmetry});
   m.e = -std::max(l_xx.asymmetry, l_tt.asymmetry);
-  m.f = gains.v_max[i] - v_ref - gains.k_x[i] - row_sum(gains.k_xx, i);
+  m.f = gains.v_max[i] - v_ref - gains.k_x[i] - gains.k_xx.row_sum(i);
   m.g = gains.omega_max[i] - std::abs(reference.omega) - gains.k_theta[i] - gains.k_y * v_ref -
-        (row_sum(gains.k_tt, i) + row_sum(gains.k_yy, i));
+        (gains.k_tt.row_sum(i) + gains.k_yy.row_sum(i));
   return m;
 }
 

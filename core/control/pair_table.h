@@ -32,8 +32,12 @@ class PairTable {
   /// The values of the pairs (i, i+1), (i, i+2), ..., contiguous, for loops over whole rows; i < robots - 1.
   const double* row(std::size_t i) const noexcept { return cells_.data() + cell(i, i + 1); }
 
+  /// Whether the value of all pairs is known to be 0, so that there is nothing to add up or to release.
+  bool none() const noexcept { return cells_.empty() || (uniform_ && cells_.front() == 0.0); }
+
   /// The sum over all robots j != i, as in (18f, g).
   double row_sum(std::size_t i) const noexcept {
+    if (none()) return 0.0;
     double sum = 0.0;
     for (std::size_t j = 0; j < robots_; ++j)
       if (j != i) sum += (*this)(i, j);

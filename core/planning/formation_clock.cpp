@@ -20,15 +20,31 @@ double FormationClock::hurry(const Gains& gains, const ReferenceDemand& demand) 
 
 void FormationClock::step(double t, bool away, double hurry, double slope) noexcept {
   const Delay::Moment now{t, behind(t), 1.0 - rate(t)};
-  if (away && !waits_ && hurry >= least_hurry && now.behind < most_behind) {
+  // Couplings that grow leave less again at the next tick, whose reference this step decides.
+  const double less = std::max(0.0, left_ - hurry);
+  left_ = hurry;
+  hurry = std::max(0.0, hurry - 2.0 * less);
+  const bool enough = hurry >= least_hurry, was_away = waits_;
+  if (away && !waits_ && enough && now.behind < most_behind) {
     waits_ = true;
-    delay_ = Delay(now, 1.0 - slowly, longest_wait, hurry_ = hurry, slope);
-  } else if (!away && waits_) {
+    until_ = t + longest_wait;
+  } else if (!away) {
     waits_ = false;
-    delay_ = Delay(now, now.falls, 0.0, hurry_ = hurry, slope);
-  } else if (!waits_ && now.behind > 0.0 && hurry < hurry_ && hurry >= least_hurry) {  // couplings have grown
-    delay_ = Delay(now, now.falls, 0.0, hurry_ = hurry, slope);
   }
+  const bool waiting = waits_ && t < until_;
+  // What is left of a delay that is about to end is made up within its last slope.
+  const bool ends = !waiting && now.behind <= 0.5 * now.falls * now.falls / slope;
+  const bool changed = waits_ != was_away || (now.behind > 0.0 && !ends && (hurry < hurry_ || (stays_ && enough)));
+  if (!changed) return;
+  stays_ = !enough;
+  hurry_ = enough ? hurry : 0.0;
+  constexpr double for_ever = 1e6;  // until there is room again [s]
+  if (waiting)
+    delay_ = Delay(now, 1.0 - slowly, until_ - t, std::max(hurry, least_hurry), slope);
+  else if (stays_)
+    delay_ = Delay(now, 0.0, for_ever, least_hurry, slope);
+  else
+    delay_ = Delay(now, now.falls, 0.0, hurry, slope);
 }
 
 ReferencePoint WaitingReference::at(std::size_t i, double t) const noexcept {

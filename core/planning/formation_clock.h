@@ -26,7 +26,8 @@ class FormationClock {
   static double hurry(const Gains& gains, const ReferenceDemand& demand) noexcept;
 
   /// `away`: a robot is on its way back at time t. It may run by `hurry` faster than the experiment's clock, and its
-  /// rate changes by at most `slope` [1/s].
+  /// rate changes by at most `slope` [1/s]. If couplings grow until `hurry` is too little, it stays as far behind as it
+  /// is until there is room again.
   void step(double t, bool away, double hurry, double slope) noexcept;
   void reset() noexcept { *this = {}; }
 
@@ -36,7 +37,10 @@ class FormationClock {
  private:
   Delay delay_;
   bool waits_ = false;  // for a robot that has not come back since
-  double hurry_ = 0.0;
+  bool stays_ = false;  // as far behind as it is, because the couplings leave too little
+  double until_ = 0.0;  // it waits at most [s]
+  double hurry_ = 0.0;  // with which it catches up
+  double left_ = 0.0;   // for it, at the latest step
 };
 
 /// References on the predicted clock of a formation: robots that share the clock keep the formation's distances.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/kinematics/unicycle.h"
 
@@ -29,6 +30,7 @@ constexpr double between_walls = 0.02;      // no more room than this, beyond wh
 constexpr double turns_within = 0.0005;     // of where its route turns there; at twice as much its clock stands [m]
 constexpr double sets_off_within = 0.005;   // of the heading in which it drives on there [rad]
 constexpr double looks_every = 5;           // ticks
+constexpr double stays_after = 3.0;         // a robot that stands so long is taken to stay there [s]
 constexpr double formation_slope = 0.25;    // of its clock, times the largest v_ref [m/s^2]
 constexpr double stuck_for = 4.0;           // a clock that has hardly run for this long: a new plan for all robots [s]
 
@@ -131,7 +133,6 @@ void Planner::reset() noexcept {
   improvement_.searching = false;
   merging_.searched = 0;
   begun_ = false;
-  hurry_ = 0.0;
   if (clock_ != nullptr) clock_->reset();
 }
 
@@ -162,17 +163,20 @@ bool Planner::is_back(std::size_t i, const Scene& scene, const Pose& place) cons
          std::abs(wrap_angle(scene.poses[i].theta - place.theta)) <= looks_elsewhere;
 }
 
-/// Whether robot i, as it drives now, comes upon a robot that stands, or an obstacle.
-void Planner::watch(std::size_t i, const Scene& scene, const Gains& gains,
-                    std::span<const ReferencePoint> nominal) noexcept {
+/// Whether robot i, as it drives now, comes upon a robot that stands, or an obstacle: soon, or anywhere on its way to
+/// rest.
+void Planner::watch(std::size_t i, const Scene& scene, const Gains& gains, std::span<const ReferencePoint> nominal,
+                    bool to_the_end) noexcept {
   Robot& robot = robots_[i];
   if (lattice(i).has_obstacles() && pass_obstacle(i, scene, gains, nominal)) return;
   const bool follows = robot.state == State::nominal && nominal[i].twist != Twist{};
   if (!follows && robot.state != State::driving) return;
   constexpr double step = 0.2;
   Pose before = scene.poses[i];
-  double ahead = 0.0;
-  while ((ahead += step) < sees_ahead) {
+  double ahead = 0.0, until = sees_ahead;
+  if (to_the_end && rests(i, scene))
+    until = std::max(until, follows ? rest_from_[i] - formation_t_ : robot.route.duration() - robot.clock);
+  while ((ahead += step) < until) {
     const Pose there = follows ? reference_->at(i, scene.t + ahead).pose : robot.route.at(robot.clock + ahead).pose;
     bool meets = false;
     if (const Lattice::Place in = lattice(i).inside(there.x, there.y);
@@ -181,8 +185,8 @@ void Planner::watch(std::size_t i, const Scene& scene, const Gains& gains,
     for (std::size_t j = 0; j < robots_.size() && !meets; ++j) {
       if (j == i) continue;
       const bool stays = stands(j, scene) || (robots_[j].state == State::waiting && robots_[j].no_way);
-      const bool drives_by =
-          follows && !stays && robots_[j].state == State::nominal && j < i && nominal[j].twist != Twist{};
+      const bool drives_by = ahead < sees_ahead && follows && !stays && robots_[j].state == State::nominal && j < i &&
+                             nominal[j].twist != Twist{};
       if (!stays && !drives_by) continue;
       const Pose other = stays ? scene.poses[j] : reference_->at(j, scene.t + ahead).pose;
       const double d = distance(there, other), keep = setup_.shield_distance - closer(i, j) + 0.008;
@@ -288,15 +292,13 @@ void Planner::run_clock(std::size_t i, const Scene& scene, double dt) noexcept {
 void Planner::let_formation_wait(const Scene& scene, const Gains& gains) noexcept {
   if (!(demand_.v > 0.0)) demand_ = reference_->demand(gains.k_y);
   if (!(demand_.v > 0.0)) return;
-  bool away = false, coupled = true;
+  bool away = false;
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     const Robot& robot = robots_[i];
-    coupled = coupled && robot.share > 1.0 - 1e-6;
     if (stands(i, scene) || std::isnan(scene.poses[i].x) || rests(i, scene)) continue;
     away = away || robot.needs_plan || (robot.state != State::nominal && robot.state != State::passing);
   }
-  if (coupled) hurry_ = FormationClock::hurry(gains, demand_);
-  clock_->step(now_, away, hurry_, formation_slope / demand_.v);
+  clock_->step(now_, away, scene.hurry, formation_slope / demand_.v);
 }
 
 /// The formation's reference, on the clock of those that yield.
@@ -344,9 +346,19 @@ void Planner::step(const Scene& scene, const Gains& gains, double dt, std::span<
       robots_[i].reference = robots_[i].aside.shift(*reference_, i, scene.t);
       if (scene.t >= robots_[i].aside.ends()) robots_[i].state = State::nominal, robots_[i].reference = nominal[i];
     }
-  if (!begun_ || to_starts_ != scene.to_starts) find_conflicts_of_all(scene, nominal);
+  const bool begins = !begun_ || to_starts_ != scene.to_starts;
+  if (begins) find_conflicts_of_all(scene, nominal);
   begun_ = true;
   to_starts_ = scene.to_starts;
+
+  // Of a new obstacle, and of a robot that will not go on soon, everybody is told whose way it bars, however far ahead.
+  bool barred = changed && !begins;
+  for (std::size_t i = 0; i < n; ++i) {
+    Robot& robot = robots_[i];
+    const double before = std::exchange(robot.stood_for, stands(i, scene) ? robot.stood_for + dt : 0.0);
+    barred = barred || (before < stays_after && robot.stood_for >= stays_after);
+  }
+  for (Robot& robot : robots_) robot.looks_far = robot.looks_far || barred;
 
   for (std::size_t i = 0; i < n; ++i) {
     Robot& robot = robots_[i];
@@ -387,7 +399,10 @@ void Planner::step(const Scene& scene, const Gains& gains, double dt, std::span<
     if ((late || (robot.state == State::returning && away > put_off + 2.0 * scene.doubt)) &&
         scene.t > robot.due + again_after)
       robot.needs_plan = true;
-    if ((tick_ + i) % static_cast<std::size_t>(looks_every) == 0 || changed) watch(i, scene, gains, nominal);
+    if ((tick_ + i) % static_cast<std::size_t>(looks_every) == 0 || changed || robot.looks_far) {
+      watch(i, scene, gains, nominal, robot.looks_far);
+      if (robot.state != State::waiting) robot.looks_far = false;
+    }
     if (robot.state == State::driving && robot.held_for > stuck_for && !group_.active) {
       robot.held_for = 0.0;
       robot.needs_plan = true;

@@ -80,6 +80,7 @@ class Planner {
     std::span<const std::uint8_t> stuck;
     std::span<const Obstacle> obstacles;
     double doubt = 0.0;  ///< uncertainty of the least certain pose [m]
+    double hurry = 0.0;  ///< by how much the formation's clock may run faster, with no coupling released
   };
   /// One step of length dt [s]. `gains`: with the couplings as they are now.
   void step(const Scene& scene, const Gains& gains, double dt, std::span<const ReferencePoint> nominal,
@@ -154,13 +155,16 @@ class Planner {
     bool makes_room = false;  // its place is taken: it drives to where it blocks no other robot
     bool all_anew = false;    // and all robots with it
     bool stood = false;       // it was out, or stuck
+    double stood_for = 0.0;   // how long [s]
+    bool looks_far = false;   // its whole way, once it has one: it may have been barred
     Route route;
     Sidestep aside;  // while it passes an obstacle
   };
 
   void let_formation_wait(const Scene& scene, const Gains& gains) noexcept;
   void find_conflicts_of_all(const Scene& scene, std::span<const ReferencePoint> nominal) noexcept;
-  void watch(std::size_t i, const Scene& scene, const Gains& gains, std::span<const ReferencePoint> nominal) noexcept;
+  void watch(std::size_t i, const Scene& scene, const Gains& gains, std::span<const ReferencePoint> nominal,
+             bool to_the_end) noexcept;
   Start begin_route(std::size_t i, const Scene& scene) noexcept;
   void plan(const Scene& scene, const Gains& gains, std::span<const ReferencePoint> nominal) noexcept;
   /// Begins the search for robot i's route from a pose at rest; it leaves at `begins`, on the traffic's clock [s].
@@ -250,7 +254,6 @@ class Planner {
   std::vector<Obstacle> obstacles_;
   double now_ = 0.0, keep_ = 0.1;
   double formation_t_ = 0.0;  // now, on the formation's clock [s]
-  double hurry_ = 0.0;        // of that clock, at most
   ReferenceDemand demand_;    // for that; a formation evaluates its whole path to find it
   std::size_t tick_ = 0, spent_ = 0;
   bool begun_ = false, to_starts_ = false;

@@ -92,6 +92,30 @@ TEST(FormationClock, DoesNotWaitWhereItCouldNotCatchUp) {
   EXPECT_EQ(clock.behind(5.0), 0.0);
 }
 
+/// Couplings that grow take the room by which the clock hurries: it does not run faster than the next tick's leave.
+TEST(FormationClock, StaysBehindWhereCouplingsLeaveNothingToCatchUpWith) {
+  for (const bool waits : {false, true}) {  // while the couplings grow
+    FormationClock clock;
+    double t = 0.0, room = 0.43;  // of which it takes 0.7
+    for (; t < 6.0; t += dt) clock.step(t, true, 0.7 * room, 5.0);
+    if (!waits)
+      for (; t < 8.0; t += dt) clock.step(t, false, 0.7 * room, 5.0);
+    for (; t < 12.0; t += dt) {
+      clock.step(t, waits, 0.7 * room, 5.0);
+      room = std::max(0.0, room - 0.016);
+      ASSERT_LE(clock.rate(t + dt), 1.0 + room + 1e-9) << t;
+    }
+    for (; t < 14.0; t += dt) clock.step(t, false, 0.0, 5.0);
+    const double behind = clock.behind(t);
+    EXPECT_GT(behind, 1.0);
+    for (; t < 100.0; t += dt) clock.step(t, false, 0.0, 5.0);
+    EXPECT_NEAR(clock.behind(t), behind, 1e-6);
+    EXPECT_NEAR(clock.rate(t), 1.0, 1e-9);
+    for (; t < 140.0; t += dt) clock.step(t, false, 0.3, 5.0);
+    EXPECT_EQ(clock.behind(t), 0.0) << "there is room again";
+  }
+}
+
 TEST(FormationClock, HurriesInsideTheBoundsAlone) {
   const core::Gains gains = core::paper_gains(2);
   const Abreast abreast;

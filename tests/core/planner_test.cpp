@@ -83,6 +83,7 @@ struct Outcome {
   double fastest_change = 0.0;              // of a speed between two ticks [m/s]
   double most_v = 0.0, most_turning = 0.0;  // of references, against (18f, g)
   bool no_way = false;
+  double no_way_at = -1.0;   // when that is first said [s]
   int reversals = 0;         // of the robot that has most
   double jump = 0.0;         // of a reference: how far it is from where its own speed leads [m]
   int longest_planning = 0;  // of ticks in a row
@@ -127,6 +128,7 @@ Outcome run(const Scene& scene) {
     planner.step({t, false, poses, commands, out, stuck, obstacles, 0.0}, gains, dt, nominal, followed);
     o.longest_planning = std::max(o.longest_planning, planning = planner.nodes() > 0 ? planning + 1 : 0);
     for (std::size_t i = 0; i < n; ++i) {
+      if (planner.no_way(i) && !o.no_way) o.no_way_at = t;
       o.no_way = o.no_way || planner.no_way(i);
       if (k > 0) o.jump = std::max(o.jump, core::distance(followed[i].pose, awaited[i]));
       awaited[i] = core::advance(followed[i].pose, followed[i].twist, dt);
@@ -634,6 +636,33 @@ TEST(Planner, SaysThatThereIsNoWay) {
   const Outcome o = run(scene);
   EXPECT_TRUE(o.no_way);
   EXPECT_LT(o.arrived, 0.0);
+}
+
+/// When its way is barred while it drives, far ahead: it said so when it was 3 s before the wall, 11 s later.
+TEST(Planner, SaysThatThereIsNoWayWhenAnObstacleFarAheadBarsTheOnlyOne) {
+  for (const double from : {dt, 1.0}) {
+    Scene scene;
+    wall(scene, 0.5, -0.75, 0.5, 0.75);
+    scene.obstacles_from = from;
+    scene.starts = {{-0.8, 0.0, 0.0}};
+    scene.lines.add(scene.starts[0], {0.8, 0.0, 0.0});
+    scene.duration = 20.0;
+    const Outcome o = run(scene);
+    ASSERT_TRUE(o.no_way) << from;
+    EXPECT_LT(o.no_way_at, from + 4.0);
+  }
+}
+
+TEST(Planner, SaysThatThereIsNoWayWhenARobotFarAheadStaysAtItsPlace) {
+  Scene scene;
+  scene.starts = {{-0.8, 0.0, 0.0}, {0.8, 0.0, 0.0}};
+  scene.lines.add(scene.starts[0], {0.8, 0.0, 0.0});
+  scene.lines.add(scene.starts[1], {0.8, 0.6, 0.0});
+  scene.stuck = [](std::size_t, double) { return std::vector<std::uint8_t>{0, 1}; };
+  scene.duration = 20.0;
+  const Outcome o = run(scene);
+  ASSERT_TRUE(o.no_way);
+  EXPECT_LT(o.no_way_at, 4.0);
 }
 
 }  // namespace

@@ -234,6 +234,27 @@ TEST(PlannedRoutes, AFormationWaitsForItsRobotAndCatchesUp) {
   for (const TickRecord& row : kicked(false)) ASSERT_EQ(row.lag, 0.0) << "who is not told to wait does not";
 }
 
+/// Couplings that grow while the robot is on its way, or while the formation catches up, leave less to catch up with.
+TEST(PlannedRoutes, AFormationThatCatchesUpKeepsTheConditionsWhileItsCouplingsGrow) {
+  for (const double t : {2.5, 4.5, 6.5, 8.0}) {
+    Experiment e = paper_experiment();
+    e.avoidance.kind = core::AvoidanceKind::plan;
+    e.avoidance.formation_waits = true;
+    e.duration = 30.0;
+    GainChange more{};
+    more.t = t;
+    more.ramp = 1.0;
+    more[core::GainName::k_xx] = core::PairTable(e.robots.size(), 0.0148);
+    e.gain_changes = {more};
+    e.perturbations = {{2.0, 1, 0.2, 0.15, 2.0}};
+    const std::vector<TickRecord> rows = test::simulate(e);
+    for (const TickRecord& row : rows)
+      for (const RobotRecord& r : row.robots) ASSERT_TRUE(r.margins.hold()) << "(18) at " << row.t << " s";
+    EXPECT_LT(whole_from(rows), 12.0) << t;
+    EXPECT_GT(rows.back().lag, 0.5) << "control: nothing is left to catch up with";
+  }
+}
+
 TEST(PlannedRoutes, AWayThatTookATicksWorkIsNotLookedForWithTheRestOfIt) {
   for (const auto& rows : {kicked(true, 1.151955, {{2.0, 0, -0.068279, -0.355861, -0.099167}}),
                            kicked(true, 1.185628, {{2.0, 0, 0.054823, -0.371326, 0.79346}})}) {
