@@ -157,6 +157,7 @@ core::AvoidanceParameters make_avoidance(const Experiment& experiment, std::size
   core::AvoidanceParameters parameters = experiment.avoidance;
   parameters.alpha = own.alpha.value_or(parameters.alpha);
   parameters.beta = own.beta.value_or(parameters.beta);
+  parameters.p = static_cast<int>(own.p.value_or(parameters.p));
   parameters.K_a = own.K_a.value_or(parameters.K_a);
   parameters.K_o = own.K_o.value_or(parameters.K_o);
   return parameters;

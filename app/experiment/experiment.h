@@ -161,6 +161,7 @@ struct RobotSpec {
   double radius = core::standard_radius;             ///< that of the type unless given [m]
   /// Its own parameters of (14), (15), (18) and (30); empty: those of [controller] and [avoidance].
   std::optional<double> v_max, omega_max, c_x, c_theta, alpha, beta, K_a, K_o;
+  std::optional<std::int64_t> p;
   std::optional<TrajectorySpec> trajectory;  ///< of an independent reference
   std::optional<core::Pose> start;           ///< simulated: its initial pose; empty: its place in the formation
   /// How long after the last byte it stops by itself, measured by `robots test`; 0: never; empty: not known. [s]

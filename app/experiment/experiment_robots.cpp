@@ -106,6 +106,7 @@ void read_robot(TomlTable& t, RobotKeys& robot, Problems& problems) {
   t.number("c_theta", robot.spec.c_theta, above(0.0, 1e4, "1/rad"));
   t.number("alpha", robot.spec.alpha, above(0.0, 100.0, "m"));
   t.number("beta", robot.spec.beta, above(0.0, 100.0, "m"));
+  t.integer("p", robot.spec.p, 1, 50);
   t.number("K_a", robot.spec.K_a, between(0.0, 1e3, "1/s"));
   t.number("K_o", robot.spec.K_o, between(0.0, 1e3, "m^2/s"));
   if (const toml::node* const model = t.node("model")) {

@@ -26,6 +26,7 @@ const std::string group = R"(
   c_x = 12.0
   c_theta = 0.8
   alpha = 0.12
+  p = 4
   [[robot]]
 )";
 
@@ -53,6 +54,8 @@ TEST(RobotTypes, AFileTakesMeasuresFromTheTypeAndItsOwnFromTheRobot) {
   EXPECT_EQ(make_avoidance(e, 0).K_o, 0.03);
   EXPECT_EQ(make_avoidance(e, 1).alpha, 0.12);
   EXPECT_EQ(make_avoidance(e, 2).alpha, 0.10);
+  EXPECT_EQ(make_avoidance(e, 0).p, 2);
+  EXPECT_EQ(make_avoidance(e, 1).p, 4);
 }
 
 TEST(RobotTypes, TheCertificateIsEachRobotsOwn) {
