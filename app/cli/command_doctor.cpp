@@ -29,10 +29,12 @@ void mend(const Machine& machine, const std::vector<Finding>& findings) {
 
 int doctor(const DoctorRequest& request) {
   Examination examination{request.seconds};
+  bool readable = true;  // a file with mistakes does not hide what is wrong with the machine
   for (const ExperimentRequest& file : request.experiments) {
-    auto experiment = load(file);
-    if (!experiment) return wrong_input;
-    examination.experiments.emplace_back(file.file, std::move(*experiment));
+    if (auto experiment = load(file))
+      examination.experiments.emplace_back(file.file, std::move(*experiment));
+    else
+      readable = false;
   }
   Machine machine = this_machine();
   machine.window = request.window;
@@ -43,6 +45,7 @@ int doctor(const DoctorRequest& request) {
     ill = ill || finding.state == Finding::State::ill;
   }
   if (request.fix) mend(machine, findings);
+  if (!readable) return wrong_input;
   return ill ? expectation_failed : done;
 }
 

@@ -36,6 +36,7 @@ using Findings = std::vector<Finding>;
 constexpr int needed_priority = 22;            // the guard's, the highest that is requested
 constexpr std::size_t robots_per_adapter = 7;  // of Bluetooth
 constexpr double megabyte = 1e6;
+constexpr const char* device_classes = "/sys/class";
 
 /// A small file of the kernel, without its line end; empty: there is none.
 std::string read(const fs::path& path) {
@@ -61,6 +62,17 @@ std::vector<fs::path> entries(const fs::path& folder, const std::string& beginni
 
 Finding well(std::string what, std::string found) {
   return {State::well, std::move(what), std::move(found), {}};
+}
+
+bool is_there(const Machine& machine, const std::string& path) {
+  std::error_code error;
+  return fs::exists(below(machine, path), error);
+}
+
+/// The kernel's files are not there, as in some containers: whether all is well cannot be seen.
+Finding not_known(std::string what, const char* path, State state = State::note) {
+  return {state, std::move(what), fmt::format("not known: {} is not there", path),
+          "mount /proc and /sys; in a container, examine the machine outside it"};
 }
 
 // --- what a user may do ---
@@ -120,6 +132,7 @@ double kernel_setting(const Machine& machine, const char* file, double otherwise
 
 Finding throttling(const Machine& machine) {
   const char* const subject = "real-time share";
+  if (const char* const settings = "/proc/sys/kernel"; !is_there(machine, settings)) return not_known(subject, settings);
   // Below zero: no limit.
   const double runtime = kernel_setting(machine, "/proc/sys/kernel/sched_rt_runtime_us", -1.0);
   const double period = kernel_setting(machine, "/proc/sys/kernel/sched_rt_period_us", 1e6);
@@ -140,6 +153,8 @@ Finding throttling(const Machine& machine) {
 
 Finding governor(const Machine& machine) {
   const char* const subject = "CPU frequency";
+  const char* const processors = "/sys/devices/system/cpu";
+  if (!is_there(machine, processors)) return not_known(subject, processors);
   std::set<std::string> slow;
   for (const fs::path& policy : entries(below(machine, "/sys/devices/system/cpu/cpufreq"), "policy")) {
     const std::string governor = read(policy / "scaling_governor"), driver = read(policy / "scaling_driver");
@@ -175,9 +190,10 @@ Finding idle_states(const Machine& machine) {
 
 Finding load(const Machine& machine) {
   const char* const subject = "load";
-  std::istringstream text(read(below(machine, "/proc/loadavg")));
+  const char* const file = "/proc/loadavg";
+  std::istringstream text(read(below(machine, file)));
   double last_minute = 0.0;
-  text >> last_minute;
+  if (!(text >> last_minute)) return not_known(subject, file);
   const auto folders = entries(below(machine, "/sys/devices/system/cpu"), "cpu");
   const auto cores = std::max<std::ptrdiff_t>(
       1, std::count_if(folders.begin(), folders.end(), [](const fs::path& folder) {
@@ -192,11 +208,12 @@ Finding load(const Machine& machine) {
 
 Finding memory(const Machine& machine) {
   const char* const subject = "memory";
-  std::istringstream text(read(below(machine, "/proc/meminfo")));
+  const char* const file = "/proc/meminfo";
+  std::istringstream text(read(below(machine, file)));
   double available = -1.0;  // [kB]
   for (std::string line; std::getline(text, line);)
     if (line.starts_with("MemAvailable:")) available = std::stod(line.substr(13));
-  if (available < 0.0) return well(subject, "not known");
+  if (available < 0.0) return not_known(subject, file);
   const std::string found = fmt::format("{:.0f} MB available", available / 1024.0);
   if (available >= 300.0 * 1024.0) return well(subject, found);
   return {State::ill, subject, found + ": swapped-out memory is slow to return", "close other programs"};
@@ -204,9 +221,11 @@ Finding memory(const Machine& machine) {
 
 Finding clock_source(const Machine& machine) {
   const char* const subject = "clock";
-  const std::string source = read(below(machine, "/sys/devices/system/clocksource/clocksource0/current_clocksource"));
+  const char* const file = "/sys/devices/system/clocksource/clocksource0/current_clocksource";
+  const std::string source = read(below(machine, file));
+  if (source.empty()) return not_known(subject, file);
   const bool slow = source == "hpet" || source == "acpi_pm" || source == "jiffies" || source.starts_with("refined");
-  if (!slow) return well(subject, source.empty() ? "not known" : source);
+  if (!slow) return well(subject, source);
   return {State::note, subject, fmt::format("{}: reading the time is slow", source),
           "boot with tsc=reliable if the processor's counter can be relied on"};
 }
@@ -297,6 +316,7 @@ Findings bluetooth(const Machine& machine, const Examination& examination) {
     robots = std::max(robots, all);
   }
   const State missing = robots > 0 ? State::ill : State::note;
+  if (!is_there(machine, device_classes)) return {not_known("Bluetooth", device_classes, missing)};
 
   for (const fs::path& kill : entries(below(machine, "/sys/class/rfkill"), "rfkill"))
     if (read(kill / "type") == "bluetooth" && (read(kill / "soft") == "1" || read(kill / "hard") == "1"))
@@ -451,7 +471,9 @@ Findings cameras(const Machine& machine, const Examination& examination) {
       }
     }
   }
-  if (devices.empty() && (wanted || (names.empty() && result.empty())))
+  if (devices.empty() && !is_there(machine, device_classes))
+    result.push_back(not_known("camera", device_classes, wanted ? State::ill : State::note));
+  else if (devices.empty() && (wanted || (names.empty() && result.empty())))
     result.push_back({wanted ? State::ill : State::note, "camera", "none", "plug one in; skein camera list shows it"});
   else if (result.empty())
     result.push_back(well("camera", fmt::format("{}; examined by: skein camera doctor", fmt::join(names, ", "))));
@@ -519,7 +541,7 @@ Findings parts(const Machine& machine) {
     result.push_back(well("guard", "can be started"));
   else
     result.push_back({State::ill, "guard", guard.error(),
-                      "without a guard nothing stops the robots when the program is killed: make the folder writable"});
+                      "mend this: without a guard nothing stops the robots when the program is killed"});
   for (const std::string& run : machine.bad_ends())
     result.push_back({State::ill, "an earlier run", fmt::format("{} ended badly, its robots may still drive", run),
                       "skein robots stop"});

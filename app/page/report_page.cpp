@@ -150,14 +150,17 @@ std::string read_file(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-/// The figures as pictures within the page, so that no name in one of them is another's.
-tl::expected<std::string, std::string> figures(std::istream& csv, const Experiment& experiment,
-                                               const Statistics::Summary& summary) {
+/// The figures as pictures within the page, so that no name in one of them is another's. gnuplot draws nothing from a
+/// torn row: `whole_bytes` of the record are complete rows.
+tl::expected<std::string, std::string> figures(std::istream& csv, std::uint64_t whole_bytes,
+                                               const Experiment& experiment, const Statistics::Summary& summary) {
   const Workshop workshop;
   if (workshop.path().empty()) return tl::unexpected(std::string("no folder for figures can be created"));
   csv.clear();
   csv.seekg(0);
-  std::ofstream(workshop.path() / "run.csv", std::ios::binary) << csv.rdbuf();
+  std::ofstream copy(workshop.path() / "run.csv", std::ios::binary);
+  std::copy_n(std::istreambuf_iterator<char>(csv), whole_bytes, std::ostreambuf_iterator<char>(copy));
+  copy.close();
   if (const auto possible = check_report(workshop.path().string()); !possible) return tl::unexpected(possible.error());
   if (const auto drawn = write_report(workshop.path().string(), experiment, summary); !drawn)
     return tl::unexpected(drawn.error());
@@ -256,7 +259,7 @@ tl::expected<Page, std::string> report_page(std::istream& csv, const std::string
 
   Page page;
   if (reader->torn()) page.warnings.push_back(*reader->torn());
-  auto drawn = figures(csv, *experiment, summary);
+  auto drawn = figures(csv, reader->whole_bytes(), *experiment, summary);
   if (!drawn) {
     page.warnings.push_back("the page has no figures: " + drawn.error());
     drawn = fmt::format("<p class=\"bad\">The figures could not be drawn: {}</p>", escaped(drawn.error()));

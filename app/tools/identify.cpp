@@ -68,6 +68,14 @@ RunHistory::RunHistory(const Experiment& experiment) : experiment_(experiment) {
   for (const RobotSpec& spec : experiment_.robots) robots_.emplace_back(spec.motor);
 }
 
+/// Between these times something other than its wheels moves it.
+void RunHistory::carry(Robot& robot, double from, double to) {
+  ++robot.carried;
+  robot.moved_from = robot.moved ? std::min(robot.moved_from, from) : from;
+  robot.moved_to = robot.moved ? std::max(robot.moved_to, to) : to;
+  robot.moved = true;
+}
+
 /// Where hands were at work.
 void RunHistory::hear(const TickRecord& row) {
   const double period = experiment_.period();
@@ -75,16 +83,13 @@ void RunHistory::hear(const TickRecord& row) {
     const bool placed = is<events::Perturb, events::Move>(event), kicked = is<events::Kick>(event);
     if (!placed && !kicked && !is<events::Kidnap>(event)) continue;
     Robot& robot = robots_[*robot_of(event)];
-    ++robot.carried;
     // A jump is noticed when it is seen, and that pose is the first after it. What the file or the operator does to a
     // simulated robot happens about this tick.
     const double from = is<events::Kidnap>(event) ? row.robots[*robot_of(event)].measurement.captured_at
                                                   : (std::isnan(before_) ? row.now : before_);
     const double to =
         is<events::Kidnap>(event) ? from : row.now + (kicked ? core::SimulatedRobot::slides_for : 0.5 * period);
-    robot.moved_from = robot.moved ? std::min(robot.moved_from, from) : from;
-    robot.moved_to = robot.moved ? std::max(robot.moved_to, to) : to;
-    robot.moved = true;
+    carry(robot, from, to);
   }
 }
 
@@ -113,7 +118,19 @@ void RunHistory::see(Robot& robot, const TickRecord& row, std::size_t i) const {
   robot.poses.push_back({seen.captured_at, seen.pose, anew});
 }
 
+/// Rows are missing before this one, and with them the commands: they do not explain where the robots are next.
+void RunHistory::pass_over(const TickRecord& row) {
+  const double period = std::isnan(row.period) ? 0.0 : row.period;
+  if (std::isnan(before_) || row.now - before_ <= period + rounding) return;
+  ++gaps_;
+  for (std::size_t i = 0; i < robots_.size(); ++i) {
+    const double delay = row.robots[i].actuation_delay;
+    carry(robots_[i], before_, row.now + (std::isnan(delay) ? 0.0 : delay));
+  }
+}
+
 void RunHistory::record(const TickRecord& row) {
+  pass_over(row);
   hear(row);
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     drive(robots_[i], row, row.robots[i]);
@@ -158,7 +175,10 @@ tl::expected<RecordedHistory, std::string> read_history(const std::string& csv) 
   for (TickRecord row;;) {
     const auto more = reader->next(row);
     if (!more) return tl::unexpected(more.error());
-    if (!*more) return RecordedHistory{std::move(history).finish(), reader->torn()};
+    if (!*more) {
+      const std::size_t gaps = history.gaps();
+      return RecordedHistory{std::move(history).finish(), reader->torn(), gaps};
+    }
     history.record(row);
   }
 }

@@ -33,6 +33,8 @@ class RunHistory final : public RecordSink {
   void record(const TickRecord& row) override;
   /// Returns the histories of all robots that were seen; the collector is then empty.
   std::vector<RobotHistory> finish() &&;
+  /// How often rows were missing before the next one.
+  std::size_t gaps() const noexcept { return gaps_; }
 
  private:
   struct Robot {
@@ -48,6 +50,8 @@ class RunHistory final : public RecordSink {
     double delays = 0.0, delays_known = 0.0;  ///< their sum and number
     std::size_t carried = 0;
   };
+  static void carry(Robot& robot, double from, double to);
+  void pass_over(const TickRecord& row);
   void hear(const TickRecord& row);
   void drive(Robot& robot, const TickRecord& row, const RobotRecord& record) const;
   void see(Robot& robot, const TickRecord& row, std::size_t i) const;
@@ -55,11 +59,13 @@ class RunHistory final : public RecordSink {
   const Experiment experiment_;
   std::vector<Robot> robots_;
   double before_ = none;  ///< time of the newest row
+  std::size_t gaps_ = 0;
 };
 
 struct RecordedHistory {
   std::vector<RobotHistory> robots;
   std::optional<std::string> torn;  ///< where the file ends in the middle of a row, a sentence
+  std::size_t gaps = 0;             ///< how often rows are missing
 };
 /// Of a run's CSV. The error names file and place.
 tl::expected<RecordedHistory, std::string> read_history(const std::string& csv);

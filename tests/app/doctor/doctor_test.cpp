@@ -181,6 +181,12 @@ const Fault faults[] = {
      }},
     {"Memory", State::ill, "memory: 98 MB available",
      [](Patient& p) { p.write("/proc/meminfo", "MemAvailable: 100000 kB\n"); }},
+    {"LoadUnknown", State::note, "load: not known: /proc/loadavg", [](Patient& p) { p.remove("/proc/loadavg"); }},
+    {"MemoryUnknown", State::note, "memory: not known", [](Patient& p) { p.remove("/proc/meminfo"); }},
+    {"ProcessorsUnknown", State::note, "CPU frequency: not known",
+     [](Patient& p) { p.remove("/sys/devices/system/cpu"); }},
+    {"ClockUnknown", State::note, "clock: not known", [](Patient& p) { p.remove("/sys/devices/system/clocksource"); }},
+    {"ShareUnknown", State::note, "real-time share: not known", [](Patient& p) { p.remove("/proc/sys/kernel"); }},
     {"KeepingTime", State::ill, "keeping time: latency of bare threads",
      [](Patient& p) { p.machine.keep_time = [](double) { return Patient::late(5e-3); }; }},
     {"OneLongStandstill", State::ill, "keeping time",
@@ -324,6 +330,22 @@ TEST(Doctor, AProcessorThatChoosesItsFrequencyItselfIsWell) {
   patient.write("/sys/devices/system/cpu/cpufreq/policy0/scaling_governor", "powersave\n");
   patient.write("/sys/devices/system/cpu/cpufreq/policy0/scaling_driver", "intel_pstate\n");
   EXPECT_EQ(patient.complaints(), std::vector<std::string>());
+}
+
+/// As in a container without /proc or /sys: nothing that they would have told is called well.
+TEST(Doctor, SaysWhatCannotBeSeen) {
+  for (const auto& [folder, subjects] : std::vector<std::pair<const char*, std::vector<const char*>>>{
+           {"/proc", {"real-time share", "load", "memory"}},
+           {"/sys", {"CPU frequency", "clock", "Bluetooth", "camera"}}}) {
+    Patient patient;
+    patient.remove(folder);
+    for (const char* const subject : subjects) {
+      const std::vector<std::string> lines = patient.complaints();
+      EXPECT_TRUE(std::any_of(lines.begin(), lines.end(), [&](const std::string& line) {
+        return line.find(std::string(subject) + ": not known: " + folder) != std::string::npos;
+      })) << subject << testing::PrintToString(lines);
+    }
+  }
 }
 
 TEST(Doctor, WhatCanBeFixedIsACommand) {

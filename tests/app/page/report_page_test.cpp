@@ -72,6 +72,17 @@ TEST(ReportPage, WhatIsNoRunIsRefused) {
   EXPECT_NE(page.error().find("run.csv:1"), std::string::npos);
 }
 
+/// As after a power cut: the figures show the complete rows.
+TEST(ReportPage, DrawsTheFiguresOfATornRecord) {
+  const std::string csv = Recorded({"duration=10"}).csv;
+  for (const std::string& torn : {csv.substr(0, csv.size() - 1000), csv + std::string(512, '\0'), csv + "10,250,0.0"}) {
+    const Page page = page_of(torn);
+    ASSERT_EQ(page.warnings.size(), 1u) << page.warnings.back();
+    EXPECT_NE(page.warnings[0].find("torn here"), std::string::npos) << page.warnings[0];
+    EXPECT_NE(page.html.find("alt=\"Errors\""), std::string::npos);
+  }
+}
+
 /// In a real browser: no word on the console, every figure drawn, and the animation plays.
 TEST(ReportPage, OpensInABrowser) {
   if (std::system("chromium --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "no Chromium: install chromium";

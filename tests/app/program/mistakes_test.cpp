@@ -183,7 +183,7 @@ TEST_F(Mistakes, ListsOfRunsSayWhatIsWrong) {
 TEST_F(Mistakes, AFileOfAnotherKindIsNamed) {
   EXPECT_EQ(
       shell("$skein run e.toml --set duration=1 --csv run.csv --quiet; mkdir folder; head -c 500 $skein > binary"), 0);
-  for (const char* command : {"run", "check", "doctor", "sweep", "tune", "camera latency"}) {
+  for (const char* command : {"run", "check", "doctor --seconds 0", "sweep", "tune", "camera latency"}) {
     EXPECT_EQ(shell(std::string("$skein ") + command + " run.csv"), 2) << command;
     EXPECT_THAT(said, HasSubstr("run.csv:1:1: found a recorded run (CSV), allowed: a text in TOML")) << command;
     EXPECT_EQ(shell(std::string("$skein ") + command + " binary"), 2) << command;
@@ -193,6 +193,14 @@ TEST_F(Mistakes, AFileOfAnotherKindIsNamed) {
   }
   EXPECT_EQ(shell("$skein replay nowhere.csv"), 2);
   EXPECT_THAT(said, HasSubstr("nowhere.csv: cannot be read: No such file or directory"));
+}
+
+/// A file with mistakes hides neither those of the next file nor what is wrong with the machine.
+TEST_F(Mistakes, ADoctorExaminesTheMachineAllTheSame) {
+  EXPECT_EQ(shell("$skein doctor nowhere.toml e.toml nowhere-else.toml --seconds 0"), 2);
+  EXPECT_THAT(said, HasSubstr("nowhere.toml: cannot be read"));
+  EXPECT_THAT(said, HasSubstr("nowhere-else.toml: cannot be read"));
+  EXPECT_THAT(out, HasSubstr("memory lock: "));
 }
 
 TEST_F(Mistakes, WhatTheWordsOrTheFileAreWrongAboutIsNoFailureOfADevice) {

@@ -164,6 +164,38 @@ TEST(Identify, PassesOverHands) {
   EXPECT_NEAR(found.found[Unknown::track].value / truth.track, 1.0, 0.01);
 }
 
+/// Of a CSV from which rows were taken: a gap, and every second one. The commands of those rows are not known.
+TEST(Identify, DoesNotGuessTheCommandsOfRowsThatAreMissing) {
+  const Experiment experiment = shipped_experiment("identify.toml", wrong_robots);
+  const std::vector<TickRecord> rows = rows_of(experiment);
+  ASSERT_GT(rows.size(), 1000u);
+  const auto history_without = [&](const auto& missing) {
+    RunHistory history(experiment);
+    for (std::size_t k = 0; k < rows.size(); ++k)
+      if (!missing(k)) history.record(rows[k]);
+    const std::size_t gaps = history.gaps();
+    return std::pair(std::move(history).finish(), gaps);
+  };
+  EXPECT_EQ(history_without([](std::size_t) { return false; }).second, 0u) << "the control";
+
+  auto [cut, one] = history_without([](std::size_t k) { return k >= 500 && k < 700; });
+  EXPECT_EQ(one, 1u);
+  const auto found = identify_robots(std::move(cut));
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const core::DifferentialDrive& truth = experiment.robots[i].true_drive();
+    EXPECT_NEAR(found[i].found.wheel_diameter.value / truth.wheel_diameter, 1.0, 0.003);
+    EXPECT_NEAR(found[i].found[Unknown::track].value / truth.track, 1.0, 0.01);
+    EXPECT_EQ(found[i].outliers, 0u);
+  }
+
+  auto [thinned, many] = history_without([](std::size_t k) { return k % 2 == 1; });
+  EXPECT_GT(many, rows.size() / 3);
+  for (const IdentifiedRobot& robot : identify_robots(std::move(thinned))) {
+    EXPECT_THAT(values_to_keep(robot), IsEmpty());
+    EXPECT_THAT(doubts(robot), Not(IsEmpty()));
+  }
+}
+
 /// A record and a copy of it that a full disk cut short, say: together they would make the intervals narrower.
 TEST(Identify, KnowsARunAgainWhereverItsFileEnds) {
   const Folder folder;
