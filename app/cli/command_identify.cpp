@@ -84,9 +84,10 @@ int identify(const IdentifyRequest& request) {
     if (!history) return complain(history.error()), wrong_input;
     if (history->torn) complain(*history->torn);
     if (history->gaps > 0)
-      complain(fmt::format("{}: rows are missing in {} place{}, as if it had been thinned out or cut; the motion across "
-                           "them is not used: give the run's own CSV",
-                           run, history->gaps, history->gaps == 1 ? "" : "s"));
+      complain(
+          fmt::format("{}: rows are missing in {} place{}, as if it had been thinned out or cut; the motion across "
+                      "them is not used: give the run's own CSV",
+                      run, history->gaps, history->gaps == 1 ? "" : "s"));
     // Twice the same measurements tell no more than once, but would make the intervals narrower.
     for (std::size_t k = 0; k < known.size(); ++k)
       if (same_run(known[k], history->robots))

@@ -384,6 +384,9 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
     emulate_options.model = core::find_robot_type(model);
     if (!emulate_options.listen.empty()) emulate_options.robots = emulate_options.listen.size();
     if (!read_faults(faults, emulate_options)) return wrong_input;
+    constexpr double as_long_as_it_takes = 1e6;  // as a pipe, whose reader may be slow [s]
+    emulate_options.say = [](const std::string& line) { print_out(line + "\n", as_long_as_it_takes); };
+    emulate_options.complain = [](const std::string& sentence) { complain("emulate: " + sentence); };
     return comms::emulate(emulate_options);
   }
   if (host_command) return honest ? be_honest() : adversary ? be_adversary(*adversary) : host_library(library);

@@ -132,7 +132,8 @@ double kernel_setting(const Machine& machine, const char* file, double otherwise
 
 Finding throttling(const Machine& machine) {
   const char* const subject = "real-time share";
-  if (const char* const settings = "/proc/sys/kernel"; !is_there(machine, settings)) return not_known(subject, settings);
+  if (const char* const settings = "/proc/sys/kernel"; !is_there(machine, settings))
+    return not_known(subject, settings);
   // Below zero: no limit.
   const double runtime = kernel_setting(machine, "/proc/sys/kernel/sched_rt_runtime_us", -1.0);
   const double period = kernel_setting(machine, "/proc/sys/kernel/sched_rt_period_us", 1e6);

@@ -42,23 +42,29 @@ class HeldSignals {
   sigset_t before_{};
 };
 
-void say(const std::string& line) {
+void print_line(const std::string& line) {
   fmt::print("{}\n", line);
   std::fflush(stdout);  // for a script that waits for the line at the other end of a pipe
+}
+
+void print_mistake(const std::string& line) {
+  fmt::print(stderr, "{}\n", line);
 }
 
 }  // namespace
 
 int emulate(const EmulateOptions& options) {
+  const auto say = options.say ? options.say : print_line;
+  const auto complain = options.complain ? options.complain : print_mistake;
   if (options.robots < 1) {
-    fmt::print(stderr, "skein emulate: {} robots; allowed: 1 or more\n", options.robots);
+    complain(fmt::format("{} robots; allowed: 1 or more", options.robots));
     return 2;
   }
   std::vector<ListenAddress> listen;
   for (const std::string& text : options.listen) {
     const auto address = parse_listen_address(text);
     if (!address) {
-      fmt::print(stderr, "skein emulate: {}\n", address.error());
+      complain(address.error());
       return 2;
     }
     listen.push_back(*address);
@@ -71,8 +77,8 @@ int emulate(const EmulateOptions& options) {
   WheelsTold on_wheels;
   if (options.verbose) {
     // Only what is new: a host may tell the same speed 25 times a second.
-    on_wheels = [&clock, last = std::map<std::size_t, core::WheelSpeeds>()](std::size_t robot,
-                                                                            const core::WheelSpeeds& told) mutable {
+    on_wheels = [&clock, &say, last = std::map<std::size_t, core::WheelSpeeds>()](
+                    std::size_t robot, const core::WheelSpeeds& told) mutable {
       if (std::exchange(last[robot], told) == told) return;
       say(fmt::format("{:.3f} robot {}: wheels {:.1f} {:.1f} steps/s", clock(), robot + 1, told.left, told.right));
     };
@@ -114,7 +120,7 @@ int emulate(const EmulateOptions& options) {
     }
     signals.wait();
   } catch (const std::system_error& error) {
-    fmt::print(stderr, "skein emulate: {}\n", error.what());
+    complain(error.what());
     return 3;
   }
   return 0;

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,8 @@ struct EmulateOptions {
   bool verbose = false;         ///< print every change of a robot's wheels
   std::vector<Fault> faults{};  ///< faults that happen by themselves; times count from the start
   std::uint64_t seed = 0;       ///< of their random parts
+  /// Prints a line, and what went wrong, both without a line end; empty: on stdout and stderr, as it is.
+  std::function<void(const std::string&)> say{}, complain{};
 };
 
 /// Runs emulated robots until SIGINT or SIGTERM comes (to the process or to this thread). Prints one line

@@ -341,9 +341,11 @@ TEST(Doctor, SaysWhatCannotBeSeen) {
     patient.remove(folder);
     for (const char* const subject : subjects) {
       const std::vector<std::string> lines = patient.complaints();
-      EXPECT_TRUE(std::any_of(lines.begin(), lines.end(), [&](const std::string& line) {
-        return line.find(std::string(subject) + ": not known: " + folder) != std::string::npos;
-      })) << subject << testing::PrintToString(lines);
+      EXPECT_TRUE(std::any_of(lines.begin(), lines.end(),
+                              [&](const std::string& line) {
+                                return line.find(std::string(subject) + ": not known: " + folder) != std::string::npos;
+                              }))
+          << subject << testing::PrintToString(lines);
     }
   }
 }

@@ -306,11 +306,32 @@ TEST_F(Mistakes, NoNameIsObeyedByTheTerminal) {
     }
     EXPECT_THAT(said + out, HasSubstr(R"(\u009b2J\u202e)")) << where;
   };
-  for (const char* const words :
-       {"run \"$ill\"", "check e.toml --set \"$ill=1\"", "doctor --seconds 0 \"$ill\"", "replay \"$ill.csv\"",
-        "\"$ill\"", "runs show \"$ill\" --runs-dir runs", "robots stop \"$ill\"", "robots list --file \"$ill\"",
-        "guard \"$ill\"", "tags \"$ill\"", "track \"$ill\"", "sweep \"$ill\"", "tune \"$ill\"", "identify \"$ill\"",
-        "export \"$ill\" --to csv"}) {
+  for (const char* const words : {"run \"$ill\"",
+                                  "check e.toml --set \"$ill=1\"",
+                                  "doctor --seconds 0 \"$ill\"",
+                                  "replay \"$ill.csv\"",
+                                  "\"$ill\"",
+                                  "runs show \"$ill\" --runs-dir runs",
+                                  "robots stop \"$ill\"",
+                                  "robots list --file \"$ill\"",
+                                  "guard \"$ill\"",
+                                  "tags \"$ill\"",
+                                  "track \"$ill\"",
+                                  "sweep \"$ill\"",
+                                  "tune \"$ill\"",
+                                  "identify \"$ill\"",
+                                  "export \"$ill\" --to csv",
+                                  "report \"$ill\" --html",
+                                  "runs compare \"$ill\" last --runs-dir runs",
+                                  "emulate --listen \"tcp:$ill\"",
+                                  "emulate --directory \"/dev/null/$ill\"",
+                                  "emulate --faults \"$ill\"",
+                                  "robots test \"$ill\"",
+                                  "robots ping \"$ill\"",
+                                  "camera doctor \"$ill\"",
+                                  "calibrate floor images:. --camera \"$ill\"",
+                                  "run e.toml --publish \"$ill\"",
+                                  "run e.toml --csv \"/dev/null/$ill\""}) {
     EXPECT_NE(shell(in_shell + "$skein " + words), 0) << words;
     good(words);
   }
