@@ -506,12 +506,13 @@ Findings calibrations(const Examination& examination) {
   }
   if (sizes.empty()) return result;
   std::vector<std::string> words;
-  std::set<double> different;
+  double smallest = sizes.begin()->second, largest = smallest;
   for (const auto& [path, size] : sizes) {
     words.push_back(fmt::format("{:g} mm in {}", 1e3 * size, path));
-    different.insert(size);
+    smallest = std::min(smallest, size), largest = std::max(largest, size);
   }
-  if (different.size() > 1)
+  constexpr double rounding = 1e-6;  // of a number that was computed [m]
+  if (largest - smallest > rounding)
     result.push_back({State::ill, "tag size", fmt::format("{}", fmt::join(words, ", ")),
                       "measure the black edge of a robot's tag; skein calibrate floor --tag-size"});
   else

@@ -6,8 +6,9 @@ _skein() {
   lines=("${(@f)$(_call_program candidates ${(q)words[1]} complete "${(@q)words[2,CURRENT]}" 2>/dev/null)}")
   for line in $lines; do
     if [[ $line == @files ]]; then _files; continue; fi
-    word=${line%%$'\t'*}
-    if [[ $word == *[=:] ]]; then open+=("${word//:/\\:}:${line#*$'\t'}"); else whole+=("${word//:/\\:}:${line#*$'\t'}"); fi
+    word=${line%%$'\t'*} line=${line#*$'\t'}
+    line=${word//:/\\:}${line:+:$line}
+    if [[ $word == *[=:] ]]; then open+=("$line"); else whole+=("$line"); fi
   done
   (( $#whole )) && _describe -t values 'skein' whole
   (( $#open )) && _describe -t keys 'skein' open -S ''

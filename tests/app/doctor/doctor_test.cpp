@@ -332,6 +332,17 @@ TEST(Doctor, AProcessorThatChoosesItsFrequencyItselfIsWell) {
   EXPECT_EQ(patient.complaints(), std::vector<std::string>());
 }
 
+/// One that was computed differs from one that was written by its last digits.
+TEST(Doctor, TagSizesThatPrintTheSameAgree) {
+  Patient patient;
+  vision::Calibration calibration = vision::overhead_calibration(3.0, 2.0);
+  calibration.tag_size += 1e-12;
+  EXPECT_TRUE(save_calibration(calibration, patient.folder / "other.toml"));
+  patient.examination.experiments.push_back(patient.examination.experiments[0]);
+  patient.examination.experiments[1].second.camera.calibration = "other.toml";
+  EXPECT_EQ(patient.complaints(), std::vector<std::string>());
+}
+
 /// As in a container without /proc or /sys: nothing that they would have told is called well.
 TEST(Doctor, SaysWhatCannotBeSeen) {
   for (const auto& [folder, subjects] : std::vector<std::pair<const char*, std::vector<const char*>>>{
