@@ -118,11 +118,12 @@ void RunHistory::see(Robot& robot, const TickRecord& row, std::size_t i) const {
   robot.poses.push_back({seen.captured_at, seen.pose, anew});
 }
 
-/// Rows are missing before this one, and with them the commands: they do not explain where the robots are next.
+/// There were ticks before this one that have no row: their commands, which do not explain where the robots are next,
+/// are not known. In a pause there are none, and the experiment's time stands still; otherwise rows are missing.
 void RunHistory::pass_over(const TickRecord& row) {
   const double period = std::isnan(row.period) ? 0.0 : row.period;
   if (std::isnan(before_) || row.now - before_ <= period + rounding) return;
-  ++gaps_;
+  gaps_ += row.t - t_before_ > 1.5 * experiment_.period() ? 1 : 0;
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     const double delay = row.robots[i].actuation_delay;
     carry(robots_[i], before_, row.now + (std::isnan(delay) ? 0.0 : delay));
@@ -141,6 +142,7 @@ void RunHistory::record(const TickRecord& row) {
     }
   }
   before_ = row.now;
+  t_before_ = row.t;
 }
 
 std::vector<RobotHistory> RunHistory::finish() && {

@@ -58,7 +58,8 @@ class RunHistory final : public RecordSink {
 
   const Experiment experiment_;
   std::vector<Robot> robots_;
-  double before_ = none;  ///< time of the newest row
+  double before_ = none;    ///< time of the newest row
+  double t_before_ = none;  ///< the experiment's
   std::size_t gaps_ = 0;
 };
 

@@ -196,6 +196,26 @@ TEST(Identify, DoesNotGuessTheCommandsOfRowsThatAreMissing) {
   }
 }
 
+/// Its ticks have no rows either, but none is missing.
+TEST(Identify, APauseIsNoGap) {
+  const Experiment experiment = shipped_experiment("identify.toml", wrong_robots);
+  RunHistory history(experiment);
+  std::size_t k = 0;
+  for (TickRecord row : rows_of(experiment)) {
+    if (k++ >= 500) {  // paused for 7 s
+      row.now += 7.0;
+      for (RobotRecord& robot : row.robots) robot.measurement.captured_at += 7.0;
+    }
+    history.record(row);
+  }
+  EXPECT_EQ(history.gaps(), 0u);
+  const IdentifiedRobot found = identify_robots(std::move(history).finish()).front();
+  const core::DifferentialDrive& truth = experiment.robots[0].true_drive();
+  EXPECT_NEAR(found.found.wheel_diameter.value / truth.wheel_diameter, 1.0, 0.003);
+  EXPECT_NEAR(found.found[Unknown::track].value / truth.track, 1.0, 0.01);
+  EXPECT_EQ(found.outliers, 0u);
+}
+
 /// A record and a copy of it that a full disk cut short, say: together they would make the intervals narrower.
 TEST(Identify, KnowsARunAgainWhereverItsFileEnds) {
   const Folder folder;
