@@ -5,7 +5,6 @@
 #include <QLabel>
 #include <QLineEdit>
 #include <QRegularExpression>
-#include <QSpinBox>
 #include <QTabWidget>
 #include <array>
 #include <cmath>
@@ -40,8 +39,8 @@ TEST_F(Calibration, ShowsViewsWithTheirErrorsAndWritesTheFile) {
             QStringLiteral("images:DIR, video:FILE, v4l2:DEVICE, aravis:CAMERA"));
   find<QLineEdit>("calibration_source")->setText(QStringLiteral("images:") + dir.path());
   find<QComboBox>("calibration_board")->setCurrentIndex(1);
-  find<QSpinBox>("calibration_columns")->setValue(board::columns);
-  find<QSpinBox>("calibration_rows")->setValue(board::rows);
+  find<NumberField>("calibration_columns")->setValue(board::columns);
+  find<NumberField>("calibration_rows")->setValue(board::rows);
   const QString file = dir.filePath(QStringLiteral("camera.toml"));
   find<QLineEdit>("calibration_file")->setText(file);
   auto* save = find<QPushButton>("calibration_save");
@@ -136,6 +135,38 @@ TEST_F(Calibration, FindsWhereTheCameraHangsFromTagsOnTheFloor) {
   ASSERT_TRUE(written.open(QIODevice::ReadOnly));
   EXPECT_TRUE(written.readAll().contains("[world]"));
   delete dialog;
+}
+
+TEST_F(Calibration, SaysWhatItTakesOfANumberBeyondItsRange) {
+  open_and_wait();
+  CalibrationDialog* dialog = open_dialog();
+  const auto type = [&](const char* name, const char* text) {
+    auto* field = find<NumberField>(name);
+    find<QLabel>("calibration_advice")->clear();
+    field->selectAll();
+    QTest::keyClicks(field, QString::fromLatin1(text));
+    QTest::keyClick(field, Qt::Key_Return);
+    return field->value();
+  };
+  const auto told = [&] { return find<QLabel>("calibration_advice")->text().toStdString(); };
+  EXPECT_EQ(type("calibration_columns", "200"), 100.0) << "not 20";
+  EXPECT_EQ(told(), "Columns of squares: found 200, allowed: 3 to 100; 100 is taken");
+  EXPECT_EQ(type("calibration_rows", "7.5"), app::CalibrationBoard{}.rows);
+  EXPECT_EQ(told(), "Rows of squares: found 7.5, allowed: a whole number from 3 to 100");
+  EXPECT_EQ(type("calibration_square", "0.5"), 1.0);
+  EXPECT_EQ(told(), "Edge of a square in millimetres: found 0.5, allowed: 1.00 to 500.00; 1.00 mm is taken");
+  delete dialog;
+}
+
+TEST(CalibrationFloor, ShowsAnyHeightOfTagsThatAFileMayHave) {
+  FloorPage page;
+  app::KnownFloor floor;
+  for (const double height : {0.0, -0.02, 1.5}) {
+    floor.tag_size = 0.04;
+    floor.tag_height = height;
+    page.show_known(floor);
+    EXPECT_EQ(page.findChild<NumberField*>(QStringLiteral("floor_tag_height"))->value(), 1000 * height);
+  }
 }
 
 }  // namespace

@@ -19,6 +19,7 @@
 #include "ui/gains/gain_presets.h"
 #include "ui/gains/gain_slider.h"
 #include "ui/gains/gains_panel.h"
+#include "ui/gains/parameter_panel.h"
 #include "ui/gains/schedule_editor.h"
 #include "ui/robots/robots_model.h"
 
@@ -176,6 +177,18 @@ TEST_F(Gains, OfAnotherLawAreTheParametersThatItDeclares) {
   EXPECT_EQ(count(events, "parameter alpha_l 0.8 -> 1.5"), 1) << events.join(QLatin1Char('|')).toStdString();
   EXPECT_EQ(count(events, "parameter ahead 0.03 -> 0.5"), 1);
   EXPECT_EQ(count(events, "parameter ahead 0.5 -> 0.03"), 1);
+}
+
+TEST(LawParameters, AreShownAsTheyAreHoweverLarge) {
+  ParameterPanel panel;
+  app::LawParameter stiffness;
+  stiffness.name = "stiffness";
+  stiffness.high = 1e8;
+  stiffness.value = 5e6;
+  panel.show_parameters({stiffness});
+  const auto* field = panel.findChild<QDoubleSpinBox*>(QStringLiteral("spin_stiffness"));
+  ASSERT_NE(field, nullptr);
+  EXPECT_EQ(field->value(), 5e6);
 }
 
 TEST_F(Gains, OfALawWithoutParametersAreGoneToByTheKeyboardAllTheSame) {

@@ -367,6 +367,30 @@ TEST(NumberField, ReadsACommaAndSaysWhyANumberIsNotTaken) {
   EXPECT_TRUE(refused.isEmpty()) << refused.toStdString();
 }
 
+TEST(NumberField, SaysWhatItTakesOfANumberBeyondItsRange) {
+  NumberField field;
+  field.setDecimals(1);
+  field.setRange(0.0, 600.0);
+  field.setSuffix(QStringLiteral(" s"));
+  field.setSpecialValueText(QStringLiteral("at once"));
+  QString told;
+  QObject::connect(&field, &NumberField::refused, &field, [&](const QString& why) { told = why; });
+  const auto type = [&](const char* text) {
+    told.clear();
+    field.selectAll();
+    QTest::keyClicks(&field, QString::fromLatin1(text));
+    QTest::keyClick(&field, Qt::Key_Return);
+    return field.value();
+  };
+  EXPECT_EQ(type("700"), 600.0);
+  EXPECT_EQ(told.toStdString(), "found 700, allowed: 0.0 to 600.0; 600.0 s is taken");
+  EXPECT_EQ(field.text().toStdString(), "600.0 s");
+  EXPECT_EQ(type("-1"), 0.0);
+  EXPECT_EQ(told.toStdString(), "found -1, allowed: 0.0 to 600.0; 0.0 s is taken");
+  EXPECT_EQ(type("600"), 600.0) << "control";
+  EXPECT_EQ(told.toStdString(), "");
+}
+
 TEST(PairTable, ShowsSmallGainsOfManyRobotsWhole) {
   PairTable table;
   table.resize(250, 300);

@@ -6,13 +6,13 @@
 #include <QApplication>
 #include <QComboBox>
 #include <QDir>
+#include <QDoubleSpinBox>
 #include <QImage>
 #include <QLabel>
 #include <QLineEdit>
 #include <QPlainTextEdit>
 #include <QPushButton>
 #include <QSettings>
-#include <QSpinBox>
 #include <QTableView>
 #include <QTemporaryDir>
 #include <QTest>
@@ -166,8 +166,8 @@ int take(const QDir& dir) {
   };
   enter("calibration_source", QStringLiteral("images:") + views.path());
   calibration->findChild<QComboBox*>(QStringLiteral("calibration_board"))->setCurrentIndex(1);
-  calibration->findChild<QSpinBox*>(QStringLiteral("calibration_columns"))->setValue(test::board::columns);
-  calibration->findChild<QSpinBox*>(QStringLiteral("calibration_rows"))->setValue(test::board::rows);
+  calibration->findChild<QDoubleSpinBox*>(QStringLiteral("calibration_columns"))->setValue(test::board::columns);
+  calibration->findChild<QDoubleSpinBox*>(QStringLiteral("calibration_rows"))->setValue(test::board::rows);
   calibration->findChild<QPushButton*>(QStringLiteral("calibration_look"))->click();
   done = wait([&] { return calibration->findChild<QPushButton*>(QStringLiteral("calibration_save"))->isEnabled(); }) &&
          done;

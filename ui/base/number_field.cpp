@@ -13,7 +13,7 @@
 namespace skein::ui {
 namespace {
 
-constexpr double largest_number = 1e6;
+constexpr double largest_number = 1e12;
 
 /// Both numbers that the text may mean, in a sentence; empty: it cannot be read in two ways.
 QString two_readings(const QString& text) {
@@ -57,18 +57,32 @@ bool NumberField::is_being_typed() const {
 }
 
 QValidator::State NumberField::validate(QString& input, int&) const {
-  const QString number = number_in(input);
-  if (parse_number(number)) return QValidator::Acceptable;
-  for (const QChar c : number)
+  const QString typed = number_in(input);
+  if (const auto number = parse_number(typed))
+    return is_taken(*number) ? QValidator::Acceptable : QValidator::Intermediate;
+  for (const QChar c : typed)
     if (!c.isDigit() && !QStringLiteral("+-.,eE").contains(c)) return QValidator::Invalid;
   return QValidator::Intermediate;
 }
 
-/// Called where typing ends with a text that is not a number: the value stays as it was.
+bool NumberField::is_taken(double number) const {
+  const bool whole = decimals() > 0 || number == std::round(number);
+  return whole && number >= minimum() && number <= maximum();
+}
+
+/// Called where typing ends with a text that is not taken as it stands. A number beyond the range becomes the range's
+/// end; else the value stays as it was.
 void NumberField::fixup(QString& input) const {
-  const QString number = number_in(input);
-  if (number.isEmpty()) return;
-  emit refused(why_refused(number, tr("a number")));
+  const QString typed = number_in(input);
+  if (typed.isEmpty()) return;
+  const auto number = parse_number(typed);
+  const QString range = tr("%1 to %2").arg(textFromValue(minimum()), textFromValue(maximum()));
+  if (!number) return emit refused(why_refused(typed, tr("a number")));
+  if (*number >= minimum() && *number <= maximum())  // it has digits behind the point
+    return emit refused(why_refused(typed, tr("a whole number from %1").arg(range)));
+  const QString taken = textFromValue(std::clamp(*number, minimum(), maximum()));
+  input = taken + suffix();
+  emit refused(tr("%1; %2 is taken").arg(why_refused(typed, range), taken + suffix()));
 }
 
 double NumberField::valueFromText(const QString& text) const {

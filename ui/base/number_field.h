@@ -12,8 +12,9 @@ std::optional<double> parse_number(const QString& text);
 /// Why a typed text is refused: both numbers of one that can be read in two ways, else "found TEXT, allowed: ALLOWED".
 QString why_refused(const QString& text, const QString& allowed);
 
-/// A spin box that accepts any typed number: the code that uses it clamps values that are too large or too small, and
-/// reports that. Qt's own box discards digits that would leave its range: "0.3" becomes 0 where the maximum is 0.17.
+/// A spin box into which any number can be typed; one beyond its range becomes the range's end, and it says so. Qt's
+/// own box discards digits that would leave its range: "0.3" becomes 0 where the maximum is 0.17. Without decimals it
+/// takes whole numbers only.
 class NumberField final : public QDoubleSpinBox {
   Q_OBJECT
 
@@ -29,9 +30,11 @@ class NumberField final : public QDoubleSpinBox {
   QSize minimumSizeHint() const override { return sizeHint(); }
 
  signals:
-  void refused(const QString& why) const;  ///< what was typed is not a number, or can be read in two ways
+  /// What was typed is not a number, can be read in two ways, or lies beyond the range; then also what is taken.
+  void refused(const QString& why) const;
 
  private:
+  bool is_taken(double number) const;            // as it stands
   QString number_in(const QString& text) const;  // without the suffix; of words that stand for a number, this number
 };
 

@@ -19,13 +19,13 @@ constexpr int picture_ms = 50;
 constexpr double good_error = 0.5;      // [px]: a lens and a flat board do better
 constexpr double enough_covered = 0.6;  // of the picture: distortion is a guess elsewhere
 
-template <typename Box>
-Box* number(QWidget* parent, const QString& name, const QString& spoken, double least, double most, double value) {
-  auto* box = new Box(parent);
+NumberField* number(QWidget* parent, const QString& name, const QString& spoken, double least, double most,
+                    double value) {
+  auto* box = new NumberField(parent);
   box->setObjectName(name);
   box->setAccessibleName(spoken);
-  box->setRange(static_cast<decltype(box->minimum())>(least), static_cast<decltype(box->minimum())>(most));
-  box->setValue(static_cast<decltype(box->minimum())>(value));
+  box->setRange(least, most);
+  box->setValue(value);
   return box;
 }
 
@@ -190,20 +190,20 @@ QWidget* CalibrationDialog::build_form() {
   kind_->setAccessibleName(tr("Kind of board"));
   kind_->addItems({tr("ChArUco"), tr("Chessboard")});
   const app::CalibrationBoard usual;
-  columns_ =
-      number<QSpinBox>(box, QStringLiteral("calibration_columns"), tr("Columns of squares"), 3, 100, usual.columns);
-  rows_ = number<QSpinBox>(box, QStringLiteral("calibration_rows"), tr("Rows of squares"), 3, 100, usual.rows);
-  square_ = number<NumberField>(box, QStringLiteral("calibration_square"), tr("Edge of a square in millimetres"), 1,
-                                500, 1000 * usual.square);
-  marker_ = number<NumberField>(box, QStringLiteral("calibration_marker"), tr("Edge of a marker in millimetres"), 1,
-                                500, 1000 * usual.marker);
+  columns_ = number(box, QStringLiteral("calibration_columns"), tr("Columns of squares"), 3, 100, usual.columns);
+  rows_ = number(box, QStringLiteral("calibration_rows"), tr("Rows of squares"), 3, 100, usual.rows);
+  square_ = number(box, QStringLiteral("calibration_square"), tr("Edge of a square in millimetres"), 1, 500,
+                   1000 * usual.square);
+  marker_ = number(box, QStringLiteral("calibration_marker"), tr("Edge of a marker in millimetres"), 1, 500,
+                   1000 * usual.marker);
+  for (NumberField* squares : {columns_, rows_}) squares->setDecimals(0);
   for (NumberField* millimetres : {square_, marker_}) {
     millimetres->setSuffix(tr(" mm"));
     millimetres->setToolTip(tr("As measured on the printed sheet, see skein tags board"));
-    connect(millimetres, &NumberField::refused, this, [this, millimetres](const QString& why) {
-      advice_->setText(tr("%1: %2").arg(millimetres->accessibleName(), why));
-    });
   }
+  for (NumberField* field : {columns_, rows_, square_, marker_})
+    connect(field, &NumberField::refused, this,
+            [this, field](const QString& why) { advice_->setText(tr("%1: %2").arg(field->accessibleName(), why)); });
   look_->setObjectName(QStringLiteral("calibration_look"));
   look_->setAutoDefault(false);
   form->addRow(tr("Board"), kind_);
@@ -234,8 +234,8 @@ void CalibrationDialog::use_camera() {
   if (wants_floor_) return floor_->use_camera(camera(), file_->text().trimmed());
   app::CalibrationBoard board;
   board.chessboard = kind_->currentIndex() == 1;
-  board.columns = columns_->value();
-  board.rows = rows_->value();
+  board.columns = static_cast<int>(columns_->value());
+  board.rows = static_cast<int>(rows_->value());
   board.square = 1e-3 * square_->value();
   board.marker = 1e-3 * marker_->value();
   calibration_.reset();  // before the new one: both want the same camera

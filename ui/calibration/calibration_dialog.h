@@ -6,7 +6,6 @@
 #include <QLabel>
 #include <QLineEdit>
 #include <QPushButton>
-#include <QSpinBox>
 #include <QTabWidget>
 #include <QTableView>
 #include <QTimer>
@@ -79,8 +78,7 @@ class CalibrationDialog final : public QDialog {
   std::vector<std::string> settings_;
   QLineEdit *source_, *size_, *file_;
   QComboBox* kind_;
-  QSpinBox *columns_, *rows_;
-  NumberField *square_, *marker_;
+  NumberField *columns_, *rows_, *square_, *marker_;
   QPushButton *look_, *remove_, *save_;
   QLabel *advice_, *result_;
   QTableView* table_;

@@ -23,11 +23,11 @@ QPushButton* button(QWidget* parent, const QString& text, const QString& name, c
   return made;
 }
 
-NumberField* millimetres(QWidget* parent, const QString& name, const QString& spoken, double value) {
+NumberField* millimetres(QWidget* parent, const QString& name, const QString& spoken, double least, double value) {
   auto* box = new NumberField(parent);
   box->setObjectName(name);
   box->setAccessibleName(spoken);
-  box->setRange(1.0, 1000.0);
+  box->setRange(least, 1e4);  // as in a file of a calibration
   box->setDecimals(1);
   box->setValue(value);
   box->setSuffix(FloorPage::tr(" mm"));
@@ -123,9 +123,9 @@ Qt::ItemFlags FloorModel::flags(const QModelIndex& index) const {
 FloorPage::FloorPage(QWidget* parent)
     : QWidget(parent),
       table_(new QTableView(this)),
-      size_(millimetres(this, QStringLiteral("floor_tag_size"), tr("Edge of the robots' tags in millimetres"), 40)),
-      height_(
-          millimetres(this, QStringLiteral("floor_tag_height"), tr("Height of the robots' tags in millimetres"), 60)),
+      size_(millimetres(this, QStringLiteral("floor_tag_size"), tr("Edge of the robots' tags in millimetres"), 1, 40)),
+      height_(millimetres(this, QStringLiteral("floor_tag_height"), tr("Height of the robots' tags in millimetres"),
+                          -1e4, 60)),
       add_(button(this, tr("Add tag"), QStringLiteral("floor_add"), tr("Adds a tag on the floor"))),
       remove_(button(this, tr("Remove"), QStringLiteral("floor_remove"), tr("Removes the selected tag"))),
       look_(button(this, tr("Look and save"), QStringLiteral("floor_look"),
