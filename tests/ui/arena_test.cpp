@@ -37,7 +37,10 @@ TEST_F(Arena, KicksARobotWithShiftAndADrag) {
 TEST_F(Arena, KicksNoHarderThanAMetreASecondAndNotByAccident) {
   start();
   use("tool_kick");
-  drag(robot(0), robot(0) + QPoint(4, 0));  // not out of the robot
+  drag(robot(0), robot(0) + QPoint(8, 0));  // not out of the robot
+  EXPECT_TRUE(eventually([&] {
+    return find<QLabel>("alert")->text().contains(QStringLiteral("Robot 1 is not kicked"));
+  })) << find<QLabel>("alert")->text().toStdString();
   drag(robot(2), floor(0.9, -0.7));
   const auto kick = last<app::events::Kick>(2);
   EXPECT_NEAR(std::hypot(kick.vx, kick.vy), 1.0, 1e-9);
@@ -63,6 +66,20 @@ TEST_F(Arena, DropsDragsResizesAndTakesAwayAnObstacle) {
   drag(floor(0.2, -0.2), floor(0.0, 0.95));  // off the floor
   ASSERT_TRUE(eventually([&] { return arena().scene().obstacle_at(0.2, -0.2) < 0; })) << "it was not taken away";
   EXPECT_EQ(count(saved_events(), "obstacle o1 "), 4);
+}
+
+TEST_F(Arena, LeavesALargeObstacleOfTheFileAsLargeAndSaysSo) {
+  app::Experiment experiment = app::paper_experiment();
+  experiment.obstacles = {{-0.3, 0.0, 0.4}};
+  open_and_wait(experiment);
+  ASSERT_TRUE(eventually([&] { return arena().scene().obstacle_at(-0.3, 0.0) == 0; }));
+  wheel(floor(-0.3, 0.0), 1);
+  EXPECT_TRUE(eventually([&] { return find<QLabel>("alert")->text().contains(QStringLiteral("Obstacle 1 stays")); }))
+      << find<QLabel>("alert")->text().toStdString();
+  EXPECT_EQ(arena().scene().circumstances.obstacles[0].radius, 0.4);
+  wheel(floor(-0.3, 0.0), -1);
+  EXPECT_TRUE(eventually([&] { return arena().scene().circumstances.obstacles[0].radius < 0.4; })) << "control";
+  EXPECT_GT(arena().scene().circumstances.obstacles[0].radius, 0.3);
 }
 
 TEST_F(Arena, DrawsAnObstacleOutToItsSizeAndDeletesItByKey) {
@@ -415,6 +432,42 @@ TEST(ArenaMessages, HideNoRobotOfAPlatoonInASmallWindowWhereverItIs) {
     }
 }
 
+TEST(ArenaMessages, TouchNoBadgeOfARobot) {
+  for (int k = 0; k < 40; ++k) {  // a robot just below the place of a message, nearer and nearer
+    const double y = 0.2 + 0.01 * k;
+    const auto seen = [&](const QString& alert, std::uint8_t mode) {
+      ArenaView view;
+      view.resize(620, 460);
+      view.show_experiment(app::paper_experiment());
+      app::TickRecord record;
+      record.phase = app::Phase::running;
+      record.robots.resize(4);
+      for (app::RobotRecord& robot : record.robots) {
+        robot.truth = robot.pose = {std::nan(""), 0.0, 0.0};
+        robot.measurement.captured_at = -1e9;
+        robot.nominal.pose = {100.0, 100.0, 0.0};
+      }
+      record.robots[0].truth = {0.0, y, 0.0};
+      record.robots[0].mode = mode;
+      view.show_record(record);
+      view.set_alert(alert, Qt::darkRed);
+      return view.grab().toImage();
+    };
+    const QString alert = QStringLiteral("LOST: robot 2 \u2013 no tag seen, it stands");
+    const std::uint8_t braked = app::tracking | app::shielded;
+    const QImage bare = seen({}, braked), said = seen(alert, braked), plain = seen({}, app::tracking);
+    int badge = 0, hidden = 0;  // pixels of what the mode adds to the robot
+    for (int py = 0; py < bare.height(); ++py)
+      for (int px = 0; px < bare.width(); ++px)
+        if (bare.pixelColor(px, py) != plain.pixelColor(px, py) && py < bare.height() - 60) {  // not of the legend
+          ++badge;
+          hidden += said.pixelColor(px, py) != bare.pixelColor(px, py);
+        }
+    ASSERT_GT(badge, 50);
+    EXPECT_EQ(hidden, 0) << "at " << y;
+  }
+}
+
 TEST(ArenaMessages, HideNoObstacleWhereThereIsRoomBesideIt) {
   const QString banner = QStringLiteral("STOPPED by operator \u2013 new run: Ctrl+N");
   for (const double y : {0.7, 0.6, 0.5, 0.4, 0.0, -0.4, -0.5, -0.6}) {
@@ -630,6 +683,26 @@ TEST(ArenaCrowd, ANumberLiesOverTheBodyAndTheBadgeOfANeighbour) {
       }
     EXPECT_GE(written, 8) << i + 1;
     EXPECT_EQ(kept, written) << i + 1;
+  }
+}
+
+TEST(ArenaCrowd, NumbersThatHaveNoRoomAreLeftOutAndTheOthersAreWhole) {
+  const QSize size(480, 330);
+  constexpr double width = 4.0, apart = 0.1;  // 10 px
+  ArenaMap map;
+  map.resize(size);
+  map.show_plan(width, 0.75 * width);
+  const auto whole = [&](const QImage& all, int i) {
+    const QImage one = crowd(size, width, apart, i, {.mode = app::tracking});
+    const QPoint centre = map.to_screen({column_of(i) * apart, row_of(i) * apart}).toPoint();
+    const QRect figures(centre - QPoint(5, 3), QSize(11, 7));
+    return all.copy(figures) == one.copy(figures);
+  };
+  for (const int selected : {-1, 20, 21}) {
+    const QImage all = crowd(size, width, apart, -1, {.mode = app::tracking, .selected = selected});
+    int readable = 0;
+    for (int i = 0; i < 64; ++i) readable += i == selected || whole(all, i);
+    EXPECT_GE(readable, 24) << "every other in a row, at least";
   }
 }
 

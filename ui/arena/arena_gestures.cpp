@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ui/base/tr.h"
+
 namespace skein::ui {
 namespace {
 
@@ -49,9 +51,11 @@ class KickRobot final : public ArenaGesture {
   }
   void release(const ArenaRequests& ask) override {
     if (!scene_.kick) return;
-    const bool out_of_the_robot =
-        std::hypot(scene_.kick->way.x(), scene_.kick->way.y()) > scene_.radius(static_cast<std::size_t>(robot_));
-    if (out_of_the_robot) ask.kick(robot_, scene_.kick->velocity);
+    const double reach = scene_.radius(static_cast<std::size_t>(robot_));
+    if (std::hypot(scene_.kick->way.x(), scene_.kick->way.y()) > reach) return ask.kick(robot_, scene_.kick->velocity);
+    ask.refuse(tr("Robot %1 is not kicked: the arrow has to end outside it, which takes at least %2 m/s")
+                   .arg(robot_ + 1)
+                   .arg(kick_per_way * reach, 0, 'f', 2));
   }
 
  private:

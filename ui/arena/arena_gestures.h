@@ -1,6 +1,7 @@
 #pragma once
 
 #include <QPointF>
+#include <QString>
 #include <functional>
 #include <memory>
 
@@ -43,6 +44,7 @@ struct ArenaRequests {
   std::function<void(int robot, const core::Pose&)> move;
   std::function<void(int robot, QPointF velocity)> kick;            // [m/s]
   std::function<void(int number, const core::Obstacle&)> obstacle;  // number -1: a new one; radius 0: remove it
+  std::function<void(const QString& why)> refuse;                   // nothing is done
 };
 
 /// One drag of the mouse from press to release: shows its effect in the scene, and executes it on release.

@@ -189,8 +189,8 @@ QSizeF ArenaPainter::chip_size(const QString& text, double width, bool bold) con
   return {size.width() + 2 * chip_beside + more, size.height() + 2 * chip_above};
 }
 
-/// How many robots and obstacles a message here would hide; one that lies over another text counts as all, and one
-/// more.
+/// How many robots, badges and obstacles a message here would hide; one that lies over another text counts as all, and
+/// one more.
 std::size_t ArenaPainter::hidden_by(const QRectF& card) const {
   const bool over_text =
       std::any_of(written_.begin(), written_.end(), [&](const QRectF& text) { return card.intersects(text); });
@@ -233,12 +233,17 @@ QRectF ArenaPainter::freest(const QRectF& widget, const std::function<QSizeF(dou
   return best.value_or(room);
 }
 
-/// The banner with its alert high up and the hint low down, where they hide neither robots nor obstacles.
+/// The banner with its alert high up and the hint low down, where they hide neither robots, their badges nor obstacles.
 void ArenaPainter::messages(const QRectF& widget) {
   constexpr double gap = 8.0;
   for (std::size_t i = 0; i < scene_.experiment.robots.size(); ++i)
-    if (const auto pose = scene_.pose(i))
-      bodies_.emplace_back(at(pose->x, pose->y), scene_.radius(i) * map_.scale_at({pose->x, pose->y}));
+    if (const auto pose = scene_.pose(i)) {
+      const QPointF centre = at(pose->x, pose->y);
+      const double radius = scene_.radius(i) * map_.scale_at({pose->x, pose->y});
+      bodies_.emplace_back(centre, radius);
+      if (scene_.record && !scene_.style_of(i, c_).symbol.isEmpty())
+        bodies_.emplace_back(badge_place(centre, radius), badge_radius(radius) + 1.0);
+    }
   for (const core::Obstacle& obstacle : scene_.circumstances.obstacles)
     if (obstacle.radius > 0.0)
       bodies_.emplace_back(at(obstacle.x, obstacle.y), obstacle.radius * map_.scale_at({obstacle.x, obstacle.y}));

@@ -240,7 +240,8 @@ void ArenaPainter::references() {
   }
 }
 
-/// Bodies, then badges, then numbers: in a crowd no robot's number is hidden by its neighbours' bodies and badges.
+/// Bodies, then badges, then numbers: in a crowd no robot's number is hidden by its neighbours' bodies and badges, and
+/// none is written over another.
 void ArenaPainter::robots() {
   struct Seen {
     std::size_t i;
@@ -276,8 +277,22 @@ void ArenaPainter::robots() {
   }
   for (const Seen& one : seen)
     if (const ModeStyle style = scene_.style_of(one.i, c_); !style.symbol.isEmpty())
-      badge(at(one.pose.x, one.pose.y) + QPointF(0.8, -0.8) * (one.radius + 5), style.symbol, style.colour, one.radius);
-  for (const Seen& one : seen) number(one.pose, one.i, one.opacity);
+      badge(badge_place(at(one.pose.x, one.pose.y), one.radius), style.symbol, style.colour, one.radius);
+  // Where a crowd's numbers would overlap, the one of the selected robot comes first.
+  std::vector<QRectF> numbers;
+  const auto write = [&](const Seen& one) { number(one.pose, one.i, one.opacity, &numbers); };
+  for (const Seen& one : seen)
+    if (selected(one)) write(one);
+  for (const Seen& one : seen)
+    if (!selected(one)) write(one);
+}
+
+QPointF ArenaPainter::badge_place(QPointF centre, double robot) {
+  return centre + QPointF(0.8, -0.8) * (robot + 5);
+}
+
+double ArenaPainter::badge_radius(double robot) const {
+  return p_.fontMetrics().height() * (robot < small_robot ? 0.3 : 0.5);
 }
 
 /// A point of a robot: this far from its midpoint [m], at this angle from its heading.
@@ -301,7 +316,8 @@ void ArenaPainter::robot(const core::Pose& pose, std::size_t i, double opacity) 
   p_.restore();
 }
 
-void ArenaPainter::number(const core::Pose& pose, std::size_t i, double opacity) {
+/// `others`: numbers that are written already; this one is left out where it would lie over one of them.
+void ArenaPainter::number(const core::Pose& pose, std::size_t i, double opacity, std::vector<QRectF>* others) {
   p_.save();
   p_.setOpacity(opacity);
   const QColor body = c_.robot(i);
@@ -317,7 +333,14 @@ void ArenaPainter::number(const core::Pose& pose, std::size_t i, double opacity)
   const QRectF room(centre + back - QPointF(radius, radius), 2 * QSizeF(radius, radius));
   const QString number = QString::number(i + 1);
   // What reaches over a small robot has its colour as ground: the ink would not be seen on the floor.
-  const QRectF reach = p_.boundingRect(room, Qt::AlignCenter | Qt::TextDontClip, number);
+  QRectF reach = p_.boundingRect(room, Qt::AlignCenter | Qt::TextDontClip, number);
+  const double spare = std::max(0.0, (reach.height() - QFontMetricsF(font).capHeight() - 3.0) / 2);  // around figures
+  reach.adjust(0.0, spare, 0.0, -spare);
+  if (others) {
+    const auto lies_over = [&](const QRectF& other) { return other.intersects(reach); };
+    if (std::any_of(others->begin(), others->end(), lies_over)) return p_.restore();
+    others->push_back(reach);
+  }
   if (reach.width() > 1.6 * radius || radius < small_robot) p_.fillRect(reach, body);
   p_.drawText(room, Qt::AlignCenter | Qt::TextDontClip, number);
   p_.restore();
@@ -327,7 +350,7 @@ void ArenaPainter::number(const core::Pose& pose, std::size_t i, double opacity)
 void ArenaPainter::badge(QPointF centre, const QString& symbol, const QColor& colour, double robot) {
   p_.save();
   const bool small = robot < small_robot;
-  const double r = p_.fontMetrics().height() * (small ? 0.3 : 0.5);
+  const double r = badge_radius(robot);
   p_.setPen(cosmetic(c_.floor, 1.2));
   p_.setBrush(colour);
   p_.drawEllipse(centre, r, r);

@@ -32,8 +32,10 @@ class ArenaPainter {
   void references();
   void robots();
   void robot(const core::Pose& pose, std::size_t i, double opacity);
-  void number(const core::Pose& pose, std::size_t i, double opacity);
+  void number(const core::Pose& pose, std::size_t i, double opacity, std::vector<QRectF>* others = nullptr);
   QPointF rim(const core::Pose& pose, double radius, double turn) const;
+  static QPointF badge_place(QPointF centre, double robot);
+  double badge_radius(double robot) const;
   void badge(QPointF centre, const QString& symbol, const QColor& colour, double robot);
   void ghost();
   void kick();

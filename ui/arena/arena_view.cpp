@@ -302,7 +302,8 @@ void ArenaView::mouseReleaseEvent(QMouseEvent* event) {
 ArenaRequests ArenaView::requests() {
   return {[this](int robot, const core::Pose& pose) { emit move_wanted(robot, pose); },
           [this](int robot, QPointF velocity) { emit kick_wanted(robot, velocity); },
-          [this](int number, const core::Obstacle& o) { emit obstacle_wanted(number, o); }};
+          [this](int number, const core::Obstacle& o) { emit obstacle_wanted(number, o); },
+          [this](const QString& why) { emit refused(why); }};
 }
 
 void ArenaView::mouseDoubleClickEvent(QMouseEvent* event) {
@@ -455,8 +456,15 @@ void ArenaView::nudge(int robot, QPointF by) {
 
 void ArenaView::resize_obstacle(int number, double factor) {
   core::Obstacle obstacle = scene_.circumstances.obstacles[static_cast<std::size_t>(number)];
-  obstacle.radius = std::clamp(obstacle.radius * factor, 0.01, 0.3);
-  emit obstacle_wanted(number, obstacle);
+  constexpr double smallest = 0.01, largest = 0.3;  // by hand; the file's may be larger [m]
+  const double before = obstacle.radius, asked = before * factor;
+  obstacle.radius =
+      factor > 1.0 ? std::max(before, std::min(asked, largest)) : std::min(before, std::max(asked, smallest));
+  if (obstacle.radius != before) return emit obstacle_wanted(number, obstacle);
+  emit refused((factor > 1.0 ? tr("Obstacle %1 stays as it is: by hand none gets a radius of more than %2 cm")
+                             : tr("Obstacle %1 stays as it is: by hand none gets a radius of less than %2 cm"))
+                   .arg(number + 1)
+                   .arg(100 * (factor > 1.0 ? largest : smallest)));
 }
 
 void ArenaView::wheelEvent(QWheelEvent* event) {
