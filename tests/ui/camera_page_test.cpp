@@ -1,5 +1,6 @@
 // The page of the cameras: what the chosen one shows, every tag and why it is not taken, and its settings.
 #include <QAbstractItemView>
+#include <QAccessible>
 #include <QAction>
 #include <QCheckBox>
 #include <QComboBox>
@@ -72,6 +73,19 @@ TEST_F(CameraPageTest, ShowsTheRunsOwnPictureWithEveryTagInIt) {
   EXPECT_TRUE(running()) << "the run goes on";
   key(Qt::Key_Space, find<CameraPage>("camera_page"));
   EXPECT_TRUE(eventually([&] { return stopped(); })) << "STOP while it is open";
+}
+
+TEST_F(CameraPageTest, ThatIsIdleSaysSoOnce) {
+  open_and_wait();
+  const CameraPage* page = open_page();
+  const auto shown = [&] {
+    QStringList texts{QAccessible::queryAccessibleInterface(find("camera_picture"))->text(QAccessible::Description)};
+    for (const QLabel* label : page->findChildren<QLabel*>())
+      if (label->isVisible() && !label->text().isEmpty()) texts << label->text();
+    return texts;
+  };
+  const QString idle = QStringLiteral("Choose a camera and press Look");
+  EXPECT_EQ(shown().count(idle), 1) << shown().join(QLatin1Char('|')).toStdString();
 }
 
 TEST(CameraPicture, HidesNoTagBehindTheTextOfAnother) {

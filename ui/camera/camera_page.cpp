@@ -242,7 +242,7 @@ void CameraPage::refuse(const QString& why) {
 void CameraPage::end(const QString& why) {
   watch_.reset();
   picture_->clear(why);
-  status_->setText(why);
+  status_->clear();  // the picture's place says it
   look_->setText(tr("Look"));
   look_->setAccessibleName(look_->text());
   tags_.show({});

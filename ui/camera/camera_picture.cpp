@@ -67,8 +67,8 @@ QRectF beside_tag(const QRectF& tag, const QSizeF& size, const QRectF& sheet, co
 
 CameraPicture::CameraPicture(QWidget* parent) : QWidget(parent) {
   setObjectName(QStringLiteral("camera_picture"));
-  setAccessibleName(tr("The camera's picture with the tags in it"));
   tell(this, QAccessible::Graphic, [this] { return told(); });
+  setAccessibleName(tr("The camera's picture with the tags in it"));
   setSizePolicy(QSizePolicy::Expanding, QSizePolicy::Expanding);
 }
 
