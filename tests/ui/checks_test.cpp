@@ -67,7 +67,8 @@ TEST_F(Checks, NameARobotOutOfItsPlaceAndBringItBack) {
   window.go();
   EXPECT_TRUE(find<QLabel>("alert")->text().contains(QStringLiteral("Not started")))
       << find<QLabel>("alert")->text().toStdString();
-  EXPECT_TRUE(eventually([&] { return arena().scene().banner.contains(QStringLiteral("robot 2")); }));
+  EXPECT_TRUE(find<QLabel>("phase")->text().contains(QStringLiteral("Not ready")));
+  EXPECT_EQ(arena().scene().banner.toStdString(), "") << "the list right above it says that";
   EXPECT_TRUE(arena().scene().alert.isEmpty()) << "twice, one below the other: " << arena().scene().alert.toStdString();
   QTest::mouseClick(find<QPushButton>("mend_places"), Qt::LeftButton);
   ASSERT_TRUE(eventually([&] {

@@ -288,5 +288,12 @@ TEST_F(Program, SaysThatARecordedRunIsNotThere) {
   EXPECT_TRUE(process.readAllStandardError().contains("nowhere.csv: cannot be opened"));
 }
 
+TEST_F(Files, AreNotSaidToBeWellWhereNoneIsOpen) {
+  window.show();
+  ASSERT_TRUE(eventually([&] { return find<QLabel>("phase")->text().contains(QStringLiteral("No experiment")); }));
+  EXPECT_TRUE(eventually([&] { return find<QLabel>("alert")->text().startsWith(QStringLiteral("No experiment")); }))
+      << find<QLabel>("alert")->text().toStdString();
+}
+
 }  // namespace
 }  // namespace skein::ui::test

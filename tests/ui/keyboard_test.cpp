@@ -721,5 +721,14 @@ TEST_F(Keyboard, TabGetsToEveryControlOfTheWindowAndOfEveryDialog) {
   }
 }
 
+TEST_F(Keyboard, QuitsFromADialogAsWell) {
+  open_and_wait();
+  find<QAction>("camera")->trigger();
+  auto* page = find<QDialog>("camera_page");
+  ASSERT_TRUE(bring_to_front(*page));
+  key(Qt::Key_Q, page, Qt::ControlModifier);
+  EXPECT_TRUE(eventually([&] { return !window.isVisible(); }));
+}
+
 }  // namespace
 }  // namespace skein::ui::test

@@ -3,7 +3,10 @@
 
 #include <QApplication>
 #include <QClipboard>
+#include <QHeaderView>
 #include <QLabel>
+#include <QScrollArea>
+#include <QScrollBar>
 #include <QTableWidget>
 
 #include "app/record/csv_file.h"
@@ -182,10 +185,11 @@ TEST_F(Results, NameTheirKicksInSentences) {
   drag(robot(1), robot(1) + QPoint(30, 25));
   moved(1);
   auto* table = find<QTableWidget>("result_table");
-  ASSERT_TRUE(eventually([&] { return table->rowCount() == 1; }));
-  EXPECT_EQ(table->item(0, 1)->text().toStdString(), "Robot 2 was moved by hand");
-  EXPECT_TRUE(table->item(0, 1)->toolTip().startsWith(QStringLiteral("move r2 ")))
-      << table->item(0, 1)->toolTip().toStdString();
+  ASSERT_TRUE(eventually([&] { return table->rowCount() == 2; })) << "its numbers, and its sentences";
+  EXPECT_TRUE(table->item(1, 0)->text().startsWith(QStringLiteral("Robot 2 was moved by hand: ")))
+      << table->item(1, 0)->text().toStdString();
+  EXPECT_TRUE(table->item(1, 0)->toolTip().startsWith(QStringLiteral("move r2 ")))
+      << table->item(1, 0)->toolTip().toStdString();
   find<QPushButton>("copy_results")->click();
   EXPECT_TRUE(QGuiApplication::clipboard()->text().contains(QStringLiteral("Robot 2 was moved by hand")));
 }
@@ -204,17 +208,41 @@ TEST_F(Results, SayWhatAComparedRunDidOtherwise) {
   for (const app::TickRecord& row : others) beside_it->add_record(row);
   panel.compare({{QStringLiteral("A"), QStringLiteral("uncoupled"), beside_it}});
   auto* table = panel.findChild<QTableWidget*>(QStringLiteral("result_table"));
-  ASSERT_EQ(table->rowCount(), static_cast<int>(panel.results()->kicks().size()));
-  const int beside = table->columnCount() - 1;
-  EXPECT_FALSE(table->isColumnHidden(beside));
-  EXPECT_TRUE(table->item(0, beside)->text().contains(QStringLiteral("earlier")))
-      << table->item(0, beside)->text().toStdString();
+  const std::vector<RunResults::Kick> here = panel.results()->kicks(), there = beside_it->kicks();
+  ASSERT_EQ(table->rowCount(), 2 * static_cast<int>(here.size()));
+  const auto sentences = [&] { return table->item(1, 0)->text(); };
+  const double formation = *here[0].formation - *there[0].formation, tracking = *here[0].tracking - *there[0].tracking;
+  ASSERT_LT(formation, -0.1);
+  ASSERT_GT(tracking, 0.1);
+  const QString beside =
+      QStringLiteral("formation %1 s earlier, tracking %2 s later").arg(-formation, 0, 'f', 2).arg(tracking, 0, 'f', 2);
+  EXPECT_TRUE(sentences().endsWith(QStringLiteral("\nBeside A: ") + beside)) << sentences().toStdString();
+
+  // What is copied has the same differences.
+  const auto copied = [&](const char* button) {
+    panel.findChild<QPushButton*>(QString::fromLatin1(button))->click();
+    return QApplication::clipboard()->text();
+  };
+  const QString text = copied("copy_results");
+  EXPECT_TRUE(text.contains(QStringLiteral("; beside A: ") + beside + QLatin1Char('\n'))) << text.toStdString();
+  EXPECT_TRUE(text.contains(QStringLiteral("\nbeside A: uncoupled\n"))) << text.toStdString();
+  const QString latex = copied("copy_results_latex");
+  EXPECT_TRUE(latex.startsWith(QStringLiteral("% A: uncoupled\n\\begin{tabular}{rrrrrrr}\n"))) << latex.toStdString();
+  EXPECT_TRUE(
+      latex.contains(QStringLiteral(" & $%1$ & $+%2$ \\\\\n").arg(formation, 0, 'f', 2).arg(tracking, 0, 'f', 2)))
+      << latex.toStdString();
+  for (const QString& line : latex.split(QLatin1Char('\n')))
+    if (line.endsWith(QStringLiteral("\\\\"))) {
+      EXPECT_EQ(line.count(QLatin1Char('&')), 6) << line.toStdString();
+    }
+
   panel.compare({{QStringLiteral("A"), QStringLiteral("uncoupled"), beside_it},
                  {QStringLiteral("B"), QStringLiteral("again"), beside_it}});
-  EXPECT_TRUE(table->item(0, beside)->text().contains(QStringLiteral("; B: formation")))
-      << table->item(0, beside)->text().toStdString();
+  EXPECT_TRUE(sentences().contains(QStringLiteral("\nBeside B: formation"))) << sentences().toStdString();
   panel.compare({});
-  EXPECT_TRUE(table->isColumnHidden(beside));
+  EXPECT_FALSE(sentences().contains(QStringLiteral("Beside"))) << "control";
+  EXPECT_FALSE(copied("copy_results").contains(QStringLiteral("beside")));
+  EXPECT_EQ(copied("copy_results_latex").count(QStringLiteral("later")), 0);
 }
 
 TEST_F(Results, CompareAKickWithThatAtTheSameTimeAlthoughAHandWasThereBefore) {
@@ -244,11 +272,10 @@ TEST_F(Results, CompareAKickWithThatAtTheSameTimeAlthoughAHandWasThereBefore) {
   for (const app::TickRecord& row : rows) beside_it->add_record(row);
   panel.compare({{QStringLiteral("A"), QStringLiteral("left alone"), beside_it}});
   auto* table = panel.findChild<QTableWidget*>(QStringLiteral("result_table"));
-  ASSERT_EQ(table->rowCount(), 2);
-  const int beside = table->columnCount() - 1;
-  EXPECT_EQ(table->item(0, beside)->text().toStdString(), "–") << "nobody moved a robot at 5 s there";
-  EXPECT_TRUE(table->item(1, beside)->text().contains(QStringLiteral("formation")))
-      << table->item(1, beside)->text().toStdString();
+  ASSERT_EQ(table->rowCount(), 4) << "a row of numbers and one of sentences for each kick";
+  const auto beside = [&](int row) { return table->item(row, 0)->text().section(QStringLiteral("Beside A: "), 1, 1); };
+  EXPECT_EQ(beside(1).toStdString(), "–") << "nobody moved a robot at 5 s there";
+  EXPECT_TRUE(beside(3).startsWith(QStringLiteral("formation "))) << beside(3).toStdString();
 }
 
 TEST_F(Results, AreNotJudgedInACopyBeforeTheRunIsOver) {
@@ -290,10 +317,24 @@ TEST_F(Results, HaveTheirNumbersAndTheirTextOnTheScreensOfLaptops) {
         return table->viewport()->visibleRegion().contains(cell.adjusted(2, 2, -2, -2).center()) &&
                cell.right() <= table->viewport()->width();
       })) << title
-          << " at " << size.width();
+          << " at " << size.width() << ": " << table->horizontalHeader()->length() << " px of columns in "
+          << table->viewport()->width();
     }
   }
-  EXPECT_TRUE(seen(*rest));
+  EXPECT_TRUE(table->item(1, 0)->text().startsWith(QStringLiteral("Robot 2 was moved")));
+  for (const QSize size : {QSize(1366, 728), QSize(1280, 800), QSize(800, 600)}) {
+    window.resize(size);
+    EXPECT_TRUE(eventually([&] {
+      QRect room = table->visualItemRect(table->item(1, 0));
+      room.setWidth(std::min(room.width(), table->viewport()->width()) - 12);
+      const QRect text = table->fontMetrics().boundingRect(room, Qt::TextWordWrap, table->item(1, 0)->text());
+      return window.size() == size && text.height() <= room.height() && text.width() <= room.width();
+    })) << "what the kick was is cut at "
+        << size.width();
+  }
+  auto* scroll = find("results")->findChild<QScrollArea*>();
+  scroll->verticalScrollBar()->setValue(scroll->verticalScrollBar()->maximum());
+  EXPECT_TRUE(eventually([&] { return seen(*rest); })) << "below the kicks";
 }
 
 TEST_F(Results, AreShownLiveAndCopied) {

@@ -346,7 +346,9 @@ void MainWindow::build_menus(QMenuBar* menus) {
   add(file, tr("Save &plot …"), QStringLiteral("save_plot"), QKeySequence(tr("Ctrl+P")),
       [this] { ask_save_plot(false); });
   file->addSeparator();
-  add(file, tr("&Quit"), QStringLiteral("quit"), QKeySequence(tr("Ctrl+Q")), [this] { close(); });
+  add(file, tr("&Quit"), QStringLiteral("quit"), QKeySequence(tr("Ctrl+Q")), [this] {
+    close();
+  })->setShortcutContext(Qt::ApplicationShortcut);  // in every dialog as well
 
   build_run_menu(menus->addMenu(tr("&Run")));
   QMenu* robots = menus->addMenu(tr("Ro&bots"));
@@ -526,7 +528,7 @@ void MainWindow::connect_panels() {
     return results ? results->kicks() : std::vector<RunResults::Kick>();
   });
   connect(comparison_, &ComparisonController::compared, this, [this] {
-    std::vector<ResultPanel::Beside> others;
+    std::vector<RunBeside> others;
     for (std::size_t k = 0; k < comparison_->runs().size(); ++k) {
       const ComparisonController::Run& run = comparison_->runs()[k];
       if (run.shown) others.push_back({compared_letter(k), run.name, run.results});
@@ -723,11 +725,13 @@ void MainWindow::show_state() {
   const bool nothing_else = !reading.isEmpty() && !run.is_open() && !run.is_busy() && !run.is_complete();
   const Notice banner = nothing_else ? Notice{reading} : may_be_ready ? checks_->banner() : run.banner();
   const bool unready = may_be_ready && phase == app::Phase::ready && !checks_->all_hold();
+  const bool there = run.is_open() || run.is_complete();
   if (unready) state.words = tr("Not ready");
   if (unready) state.tone = Severity::warning;
   run_bar_->show_state(state);
-  alert_->rest_on(!reading.isEmpty() ? reading : unready ? banner.text : tr("All well"));
-  arena_->set_banner(banner.text, banner.severity == Severity::alarm);
+  alert_->rest_on(!reading.isEmpty() ? reading : unready || !there ? banner.text : tr("All well"));
+  const bool listed = unready && check_list_->isVisible();  // right above the arena, with the reason
+  arena_->set_banner(listed ? QString() : banner.text, banner.severity == Severity::alarm);
   if (const Notice lasting = run.lasting_alert(); !lasting.text.isEmpty()) alert_->hold(lasting.text, lasting.severity);
   const bool over = phase == app::Phase::stopped || phase == app::Phase::finished;
   const QString preview = preview_->hint();
@@ -738,8 +742,7 @@ void MainWindow::show_state() {
                    preview.isEmpty());
 
   const QString fixed = run.why_fixed();
-  const bool there = run.is_open() || run.is_busy();
-  gains_->setEnabled((there || run.is_complete()) && GainsPanel::has_anything_to_set(run.experiment()));
+  gains_->setEnabled((there || run.is_busy()) && GainsPanel::has_anything_to_set(run.experiment()));
   gains_->set_fixed(fixed);
   arena_->set_fixed(fixed);
   gains_->set_before_start(run.is_open() && phase == app::Phase::ready);

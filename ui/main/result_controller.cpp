@@ -15,7 +15,7 @@
 namespace skein::ui {
 
 ResultController::ResultController(const Runs& runs, const Messages& messages, ResultPanel* results, QObject* parent)
-    : QObject(parent), runs_(runs), messages_(messages) {
+    : QObject(parent), runs_(runs), messages_(messages), results_(results) {
   connect(results, &ResultPanel::save_wanted, this, &ResultController::save);
 }
 
@@ -36,15 +36,15 @@ void ResultController::save() {
   std::vector<app::TagCrop> crops;  // a kept run has its own
   if (!run.is_complete()) crops = runs_.live().crops();
   saving_ = std::async(std::launch::async,
-                       [folder, kept, rows = std::move(rows), experiment = run.experiment(), crops = std::move(crops)] {
-                         return write(folder, kept, rows, experiment, crops);
-                       });
+                       [folder, kept, rows = std::move(rows), experiment = run.experiment(), crops = std::move(crops),
+                        others = results_->others()] { return write(folder, kept, rows, experiment, crops, others); });
 }
 
 /// Aside: gnuplot draws for a second. Whatever fails, the rest is written.
 ResultController::Saved ResultController::write(const QString& folder, bool kept, const RunHistory::Rows& rows,
                                                 const app::Experiment& experiment,
-                                                const std::vector<app::TagCrop>& crops) {
+                                                const std::vector<app::TagCrop>& crops,
+                                                const std::vector<RunBeside>& others) {
   Saved saved{folder, {}};
   const auto place = [&](const char* name) { return folder + QLatin1Char('/') + QLatin1String(name); };
   const auto note = [&](const std::string& sentence) { saved.problems << QString::fromStdString(sentence); };
@@ -62,8 +62,8 @@ ResultController::Saved ResultController::write(const QString& folder, bool kept
     results.add_record(*row);
     statistics.record(*row);
   }
-  put("results.txt", as_text(QString::fromStdString(experiment.name), results).toUtf8());
-  put("results.tex", as_latex(results).toUtf8());
+  put("results.txt", as_text(QString::fromStdString(experiment.name), results, others).toUtf8());
+  put("results.tex", as_latex(results, others).toUtf8());
   const std::string csv = place(app::run_files::record).toStdString();
   if (!kept) {  // a kept run has both
     if (const QString problem = write_csv(rows, experiment, QString::fromStdString(csv)); !problem.isEmpty())

@@ -4,6 +4,7 @@
 #include <future>
 
 #include "ui/main/messages.h"
+#include "ui/results/run_results.h"
 
 namespace skein::ui {
 
@@ -28,10 +29,11 @@ class ResultController final : public QObject {
     QStringList problems;
   };
   static Saved write(const QString& folder, bool kept, const RunHistory::Rows& rows, const app::Experiment& experiment,
-                     const std::vector<app::TagCrop>& crops);
+                     const std::vector<app::TagCrop>& crops, const std::vector<RunBeside>& others);
 
   const Runs& runs_;
   const Messages& messages_;
+  const ResultPanel* results_;
   std::future<Saved> saving_;
 };
 

@@ -6,23 +6,33 @@
 #include <QHeaderView>
 #include <QScrollArea>
 #include <QScrollBar>
+#include <QStyledItemDelegate>
 #include <QVBoxLayout>
 #include <algorithm>
-#include <cmath>
 
 #include "ui/base/palette.h"
 
 namespace skein::ui {
 namespace {
 
-/// "1.5 s earlier", "0.6 s later", "alike"
-QString difference(const std::optional<double>& here, const std::optional<double>& there) {
-  if (!here || !there) return QStringLiteral("–");
-  const double later = *here - *there;
-  if (std::abs(later) < 0.005) return ResultPanel::tr("alike");
-  return later < 0.0 ? ResultPanel::tr("%1 s earlier").arg(-later, 0, 'f', 2)
-                     : ResultPanel::tr("%1 s later").arg(later, 0, 'f', 2);
-}
+/// A sentence lies across all columns that are seen: the one in which it begins need not hold it.
+class AcrossColumns final : public QStyledItemDelegate {
+ public:
+  explicit AcrossColumns(QTableWidget* table) : QStyledItemDelegate(table), table_(table) {}
+  static bool is_sentence(int row) { return row % 2 == 1; }
+  QSize sizeHint(const QStyleOptionViewItem& option, const QModelIndex& index) const override {
+    const QSize usual = QStyledItemDelegate::sizeHint(option, index);
+    return is_sentence(index.row()) ? QSize(0, usual.height()) : usual;
+  }
+  void paint(QPainter* painter, const QStyleOptionViewItem& option, const QModelIndex& index) const override {
+    QStyleOptionViewItem seen = option;
+    if (is_sentence(index.row())) seen.rect.setWidth(std::min(option.rect.width(), table_->viewport()->width()));
+    QStyledItemDelegate::paint(painter, seen, index);
+  }
+
+ private:
+  const QTableWidget* table_;
+};
 
 }  // namespace
 
@@ -37,16 +47,12 @@ ResultPanel::ResultPanel(QWidget* parent)
   table_->setObjectName(QStringLiteral("result_table"));
   table_->setAccessibleName(tr("Results of every kick"));
   table_->setColumnCount(columns);
-  table_->setHorizontalHeaderLabels(
-      {tr("t"), tr("Kick"), tr("Formation"), tr("Tracking"), tr("Order"), tr("Closest"), tr("Error"), tr("Beside")});
+  table_->setHorizontalHeaderLabels({tr("t"), tr("Formation"), tr("Tracking"), tr("Closest"), tr("Error")});
   const QStringList tips{tr("When [s]"),
-                         tr("The kick"),
                          tr("Time until the distances in the formation stayed within 1 cm of their references"),
                          tr("Time until every robot stayed within 1 cm of its place"),
-                         tr("What settled first, and by how much"),
                          tr("The smallest distance of two robots until the next kick"),
-                         tr("The largest distance of a robot from its reference until the next kick"),
-                         tr("Difference to the compared run's kick at the same time, or to the one in its place")};
+                         tr("The largest distance of a robot from its reference until the next kick")};
   for (int k = 0; k < columns; ++k) table_->horizontalHeaderItem(k)->setToolTip(tips[k]);
   table_->setEditTriggers(QAbstractItemView::NoEditTriggers);
   table_->setSelectionBehavior(QAbstractItemView::SelectRows);
@@ -55,12 +61,10 @@ ResultPanel::ResultPanel(QWidget* parent)
   table_->verticalHeader()->hide();
   table_->verticalHeader()->setDefaultSectionSize(fontMetrics().height() + 6);
   table_->horizontalHeader()->setSectionResizeMode(QHeaderView::ResizeToContents);
-  // First the numbers: a narrow panel has no room for the sentences as well.
-  for (const int sentence : {1, 4}) {
-    QHeaderView* header = table_->horizontalHeader();
-    header->moveSection(header->visualIndex(sentence), header->visualIndex(against) - 1);
-  }
-  table_->setColumnHidden(against, true);
+  table_->setVerticalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+  table_->setItemDelegateForColumn(0, new AcrossColumns(table_));
+  table_->horizontalHeader()->setMinimumSectionSize(fontMetrics().horizontalAdvance(centimetres(0.999)) + 10);
+  table_->horizontalHeader()->setSectionResizeMode(largest, QHeaderView::Stretch);  // sentences need the whole width
   rest_->setObjectName(QStringLiteral("result_text"));
   rest_->setTextFormat(Qt::RichText);
   rest_->setWordWrap(true);
@@ -77,16 +81,16 @@ ResultPanel::ResultPanel(QWidget* parent)
          tr("Saves the results as text and LaTeX, the run as CSV, its figures and a page for a browser, in a folder"));
   connect(save_, &QPushButton::clicked, this, &ResultPanel::save_wanted);
   connect(copy_text_, &QPushButton::clicked, this, [this] {
-    if (results_) copy(as_text(name_, *results_));
+    if (results_) copy(as_text(name_, *results_, others_));
   });
   connect(copy_latex_, &QPushButton::clicked, this, [this] {
-    if (results_) copy(as_latex(*results_));
+    if (results_) copy(as_latex(*results_, others_));
   });
   auto* inside = new QWidget;
   auto* content = new QVBoxLayout(inside);
   content->setContentsMargins(0, 0, 0, 0);
   content->setSpacing(2);
-  content->addWidget(table_, 1);
+  content->addWidget(table_);
   content->addWidget(rest_);
   auto* row = new QHBoxLayout;
   row->setContentsMargins(6, 0, 6, 2);
@@ -102,6 +106,11 @@ ResultPanel::ResultPanel(QWidget* parent)
   scroll->setFrameShape(QFrame::NoFrame);
   scroll->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
   scroll->setFocusPolicy(Qt::NoFocus);
+  connect(table_, &QTableWidget::currentItemChanged, scroll, [this, scroll](const QTableWidgetItem* current) {
+    if (!current) return;
+    const QPoint centre = table_->visualItemRect(current).center();
+    scroll->ensureVisible(0, table_->viewport()->mapTo(scroll->widget(), centre).y());
+  });
   auto* layout = new QVBoxLayout(this);
   layout->setContentsMargins(0, 0, 0, 0);
   layout->addWidget(scroll);
@@ -122,7 +131,7 @@ void ResultPanel::show_record(const app::TickRecord& record) {
   dirty_ = true;
 }
 
-void ResultPanel::compare(std::vector<Beside> others) {
+void ResultPanel::compare(std::vector<RunBeside> others) {
   others_ = std::move(others);
   dirty_ = true;
   refresh();
@@ -148,45 +157,51 @@ void ResultPanel::show_timing(const QString& text) {
 
 void ResultPanel::show_kicks() {
   const std::vector<RunResults::Kick> kicks = results_->kicks();
-  std::vector<std::vector<RunResults::Kick>> others;
-  std::vector<std::vector<std::optional<std::size_t>>> theirs;  // by run, then by kick
-  for (const Beside& other : others_) {
-    others.push_back(other.results->kicks());
-    theirs.push_back(counterparts(kicks, others.back()));
-  }
-  table_->setColumnHidden(against, others_.empty());
-  const int rows = static_cast<int>(kicks.size());
+  const std::vector<std::vector<KickBeside>> compared = ui::compare(kicks, others_);
+  const int rows = 2 * static_cast<int>(kicks.size());
+  if (table_->rowCount() != rows) table_->clearSpans();
   table_->setRowCount(rows);
-  // No higher than its rows, so that the text below is not behind an empty table.
-  constexpr int few = 4;
-  const auto height_of = [&](int shown) {
-    return table_->horizontalHeader()->sizeHint().height() + shown * table_->verticalHeader()->defaultSectionSize() +
-           table_->horizontalScrollBar()->sizeHint().height();
+  const auto put = [this](int row, int column, const QString& text) {
+    QTableWidgetItem* item = table_->item(row, column);
+    if (!item) table_->setItem(row, column, item = new QTableWidgetItem);
+    if (item->text() != text) item->setText(text);
+    return item;
   };
-  table_->setMinimumHeight(height_of(std::min(rows, few)));
-  table_->setMaximumHeight(height_of(rows));
   for (std::size_t k = 0; k < kicks.size(); ++k) {
     const RunResults::Kick& kick = kicks[k];
-    QStringList differences;
-    for (std::size_t o = 0; o < others.size(); ++o) {
-      const auto other = theirs[o][k];
-      const QString text = other ? tr("formation %1, tracking %2")
-                                       .arg(difference(kick.formation, others[o][*other].formation),
-                                            difference(kick.tracking, others[o][*other].tracking))
-                                 : QStringLiteral("–");
-      differences << (others.size() > 1 ? QStringLiteral("%1: %2").arg(others_[o].letter, text) : text);
-    }
-    const QString beside = differences.join(QStringLiteral("; "));
-    const QStringList cells{QString::number(kick.t, 'f', 2), kick.what,      settling_text(kick.formation),
-                            settling_text(kick.tracking),    order_of(kick), centimetres(kick.closest),
-                            centimetres(kick.largest),       beside};
-    for (int column = 0; column < columns; ++column) {
-      QTableWidgetItem* item = table_->item(static_cast<int>(k), column);
-      if (!item) table_->setItem(static_cast<int>(k), column, item = new QTableWidgetItem);
-      if (item->text() != cells[column]) item->setText(cells[column]);
-      if (column == 1) item->setToolTip(kick.words);
-    }
+    const int numbers = 2 * static_cast<int>(k), sentences = numbers + 1;
+    const QStringList cells{QString::number(kick.t, 'f', 2), settling_text(kick.formation),
+                            settling_text(kick.tracking), centimetres(kick.closest), centimetres(kick.largest)};
+    for (int column = 0; column < columns; ++column) put(numbers, column, cells[column]);
+    QStringList said{tr("%1: %2").arg(kick.what, order_of(kick))};
+    for (std::size_t o = 0; o < others_.size(); ++o)
+      said << tr("Beside %1: %2").arg(others_[o].letter, beside_text(compared[o][k]));
+    QString tip = kick.words;
+    if (!others_.empty())
+      tip += QLatin1Char('\n') +
+             tr("Beside: the difference to the compared run's kick at the same time, or to the one in its place");
+    put(sentences, 0, said.join(QLatin1Char('\n')))->setToolTip(tip);
+    if (table_->columnSpan(sentences, 0) != columns) table_->setSpan(sentences, 0, 1, columns);
   }
+  keep_sentences_whole();
+}
+
+/// Rows as high as their sentences, and a table as high as its rows: the panel scrolls as a whole.
+void ResultPanel::keep_sentences_whole() {
+  constexpr int beside = 12, above = 6;  // around a text [px]
+  const QFontMetrics metrics = table_->fontMetrics();
+  const int wide = table_->horizontalHeader()->length(), seen = table_->viewport()->width();
+  const QRect room(0, 0, std::min(wide, seen) - beside, 0);
+  int height = table_->horizontalHeader()->sizeHint().height() + 2 * table_->frameWidth();
+  for (int row = 0; row < table_->rowCount(); ++row) {
+    const bool sentences = AcrossColumns::is_sentence(row);
+    const int text = sentences ? metrics.boundingRect(room, Qt::TextWordWrap, table_->item(row, 0)->text()).height()
+                               : metrics.height();
+    table_->setRowHeight(row, text + above);
+    height += text + above;
+  }
+  if (wide > seen) height += table_->horizontalScrollBar()->sizeHint().height();
+  table_->setFixedHeight(height);
 }
 
 void ResultPanel::show_rest() {
@@ -199,7 +214,7 @@ void ResultPanel::show_rest() {
                  .arg(centimetres(results_->closest()), centimetres(results_->largest()));
   if (!timing_.isEmpty()) lines << timing_.toHtmlEscaped();
   if (!kept_.isEmpty()) lines << tr("Kept in %1").arg(kept_.toHtmlEscaped());
-  for (const Beside& other : others_) lines << tr("Beside %1: %2").arg(other.letter, other.name.toHtmlEscaped());
+  for (const RunBeside& other : others_) lines << tr("Beside %1: %2").arg(other.letter, other.name.toHtmlEscaped());
   for (const RunResults::Expectation& expected : results_->expectations()) {
     if (!results_->is_over()) {
       lines << QStringLiteral("… ") + expected.what.toHtmlEscaped();
@@ -223,6 +238,11 @@ void ResultPanel::copy(const QString& text) {
 void ResultPanel::changeEvent(QEvent* event) {
   if (event->type() == QEvent::PaletteChange) dirty_ = true;  // marks of other colours
   QWidget::changeEvent(event);
+}
+
+void ResultPanel::resizeEvent(QResizeEvent* event) {
+  QWidget::resizeEvent(event);
+  dirty_ = true;  // sentences take other lines
 }
 
 void ResultPanel::showEvent(QShowEvent* event) {

@@ -12,7 +12,8 @@
 
 namespace skein::ui {
 
-/// The results of the experiment, live and at the end. With other runs, the differences to them.
+/// The results of the experiment, live and at the end. Each kick has a row of numbers, and below it one of sentences as
+/// wide as the table: what it was, what settled first, and the differences to other runs.
 class ResultPanel final : public QWidget {
   Q_OBJECT
 
@@ -20,15 +21,11 @@ class ResultPanel final : public QWidget {
   explicit ResultPanel(QWidget* parent = nullptr);
   void show_experiment(const app::Experiment& experiment);
   void show_record(const app::TickRecord& record);
-  /// A run to compare with.
-  struct Beside {
-    QString letter, name;
-    std::shared_ptr<const RunResults> results;
-  };
-  void compare(std::vector<Beside> others);  ///< none: the comparison is over
-  void show_kept(const QString& folder);     ///< where this run is kept
-  void show_timing(const QString& text);     ///< how punctual its ticks were; empty: not known
-  void refresh();                            ///< at intervals; costs nothing while hidden
+  void compare(std::vector<RunBeside> others);  ///< none: the comparison is over
+  const std::vector<RunBeside>& others() const { return others_; }
+  void show_kept(const QString& folder);  ///< where this run is kept
+  void show_timing(const QString& text);  ///< how punctual its ticks were; empty: not known
+  void refresh();                         ///< at intervals; costs nothing while hidden
   const RunResults* results() const { return results_ ? &*results_ : nullptr; }
   QSize sizeHint() const override { return {300, 140}; }
   QSize minimumSizeHint() const override { return {120, 60}; }
@@ -38,11 +35,13 @@ class ResultPanel final : public QWidget {
 
  protected:
   void changeEvent(QEvent*) override;
+  void resizeEvent(QResizeEvent*) override;
   void showEvent(QShowEvent*) override;
 
  private:
-  enum Column { time, what, formation, tracking, order, closest, largest, against, columns };
+  enum Column { time, formation, tracking, closest, largest, columns };
   void show_kicks();
+  void keep_sentences_whole();
   void show_rest();
   void copy(const QString& text);
 
@@ -50,7 +49,7 @@ class ResultPanel final : public QWidget {
   QString kept_;  // empty: nowhere
   QString timing_;
   std::unique_ptr<RunResults> results_;
-  std::vector<Beside> others_;
+  std::vector<RunBeside> others_;
   QTableWidget* table_;
   QLabel* rest_;
   QPushButton *copy_text_, *copy_latex_, *save_;

@@ -3,6 +3,7 @@
 #include <QStringList>
 #include <cmath>
 
+#include "ui/base/number_text.h"
 #include "ui/base/sentence.h"
 #include "ui/base/tr.h"
 
@@ -26,6 +27,13 @@ QString in_sentences(const std::string& words) {
   }
   sentences.removeDuplicates();
   return sentences.join(QStringLiteral("; "));
+}
+
+/// "1.50 s earlier", "0.60 s later", "alike".
+QString difference(const std::optional<double>& later) {
+  if (!later) return QStringLiteral("–");
+  if (std::abs(*later) < 0.005) return tr("alike");
+  return (*later < 0.0 ? tr("%1 s earlier") : tr("%1 s later")).arg(std::abs(*later), 0, 'f', 2);
 }
 
 }  // namespace
@@ -125,6 +133,30 @@ std::vector<std::optional<std::size_t>> counterparts(const std::vector<RunResult
   return found;
 }
 
+std::vector<std::vector<KickBeside>> compare(const std::vector<RunResults::Kick>& kicks,
+                                             const std::vector<RunBeside>& others) {
+  const auto later = [](const std::optional<double>& here, const std::optional<double>& there) {
+    return here && there ? std::optional(*here - *there) : std::nullopt;
+  };
+  std::vector<std::vector<KickBeside>> compared;
+  for (const RunBeside& other : others) {
+    const std::vector<RunResults::Kick> theirs = other.results->kicks();
+    const std::vector<std::optional<std::size_t>> found = counterparts(kicks, theirs);
+    std::vector<KickBeside>& row = compared.emplace_back(kicks.size());
+    for (std::size_t k = 0; k < kicks.size(); ++k) {
+      if (!found[k]) continue;
+      const RunResults::Kick& there = theirs[*found[k]];
+      row[k] = {true, later(kicks[k].formation, there.formation), later(kicks[k].tracking, there.tracking)};
+    }
+  }
+  return compared;
+}
+
+QString beside_text(const KickBeside& kick) {
+  if (!kick.has_counterpart) return QStringLiteral("–");
+  return tr("formation %1, tracking %2").arg(difference(kick.formation), difference(kick.tracking));
+}
+
 QString settling_text(const std::optional<double>& seconds) {
   return seconds ? tr("%1 s").arg(*seconds, 0, 'f', 2) : tr("not yet");
 }
@@ -139,13 +171,20 @@ QString order_of(const RunResults::Kick& kick) {
                        : tr("tracking %1 s earlier").arg(-earlier, 0, 'f', 2);
 }
 
-QString as_text(const QString& name, const RunResults& results) {
+QString as_text(const QString& name, const RunResults& results, const std::vector<RunBeside>& others) {
   QStringList lines{name};
-  for (const RunResults::Kick& kick : results.kicks())
+  const std::vector<RunResults::Kick> kicks = results.kicks();
+  const std::vector<std::vector<KickBeside>> beside = compare(kicks, others);
+  for (std::size_t k = 0; k < kicks.size(); ++k) {
+    const RunResults::Kick& kick = kicks[k];
     lines << tr("%1 s, %2: formation settled %3, tracking settled %4 (%5); closest pair %6, largest error %7")
                  .arg(kick.t, 0, 'f', 2)
                  .arg(kick.what, settling_text(kick.formation), settling_text(kick.tracking), order_of(kick),
                       centimetres(kick.closest), centimetres(kick.largest));
+    for (std::size_t o = 0; o < others.size(); ++o)
+      lines.back() += tr("; beside %1: %2").arg(others[o].letter, beside_text(beside[o][k]));
+  }
+  for (const RunBeside& other : others) lines << tr("beside %1: %2").arg(other.letter, other.name);
   lines << tr("whole run: closest pair %1, largest error %2")
                .arg(centimetres(results.closest()), centimetres(results.largest()));
   for (const RunResults::Expectation& expected : results.expectations())
@@ -155,20 +194,35 @@ QString as_text(const QString& name, const RunResults& results) {
   return lines.join(QLatin1Char('\n')) + QLatin1Char('\n');
 }
 
-QString as_latex(const RunResults& results) {
+QString as_latex(const RunResults& results, const std::vector<RunBeside>& others) {
   const auto seconds = [](const std::optional<double>& s) {
     return s ? QString::number(*s, 'f', 2) : QStringLiteral("--");
   };
   const auto length = [](double metres) {
     return std::isfinite(metres) ? QString::number(100 * metres, 'f', 1) : QStringLiteral("--");
   };
-  QStringList lines{QStringLiteral("\\begin{tabular}{rrrrr}"), QStringLiteral("\\toprule"),
-                    QStringLiteral("$t$ [s] & formation [s] & tracking [s] & closest [cm] & error [cm] \\\\"),
-                    QStringLiteral("\\midrule")};
-  for (const RunResults::Kick& kick : results.kicks())
-    lines << QStringLiteral("%1 & %2 & %3 & %4 & %5 \\\\")
-                 .arg(kick.t, 0, 'f', 2)
-                 .arg(seconds(kick.formation), seconds(kick.tracking), length(kick.closest), length(kick.largest));
+  const auto later = [](const std::optional<double>& s) {  // with its sign, which + has as well
+    return s ? QStringLiteral("$%1%2$").arg(*s < 0.0 ? "" : "+").arg(fixed(*s, 2)) : QStringLiteral("--");
+  };
+  QStringList lines;
+  QString heads;
+  for (const RunBeside& other : others) {
+    lines << QStringLiteral("% %1: %2").arg(other.letter, other.name.simplified());
+    heads += QStringLiteral(" & formation, later than %1 [s] & tracking, later than %1 [s]").arg(other.letter);
+  }
+  lines
+      << QStringLiteral("\\begin{tabular}{%1}").arg(QString(5 + 2 * static_cast<int>(others.size()), QLatin1Char('r')))
+      << QStringLiteral("\\toprule")
+      << QStringLiteral("$t$ [s] & formation [s] & tracking [s] & closest [cm] & error [cm]%1 \\\\").arg(heads)
+      << QStringLiteral("\\midrule");
+  const std::vector<RunResults::Kick> kicks = results.kicks();
+  const std::vector<std::vector<KickBeside>> beside = compare(kicks, others);
+  for (std::size_t k = 0; k < kicks.size(); ++k) {
+    QStringList cells{QString::number(kicks[k].t, 'f', 2), seconds(kicks[k].formation), seconds(kicks[k].tracking),
+                      length(kicks[k].closest), length(kicks[k].largest)};
+    for (const std::vector<KickBeside>& run : beside) cells << later(run[k].formation) << later(run[k].tracking);
+    lines << cells.join(QStringLiteral(" & ")) + QStringLiteral(" \\\\");
+  }
   lines << QStringLiteral("\\bottomrule") << QStringLiteral("\\end{tabular}");
   return lines.join(QLatin1Char('\n')) + QLatin1Char('\n');
 }

@@ -57,6 +57,22 @@ class RunResults {
 std::vector<std::optional<std::size_t>> counterparts(const std::vector<RunResults::Kick>& kicks,
                                                      const std::vector<RunResults::Kick>& others);
 
+/// A run that is shown beside this one, and its results.
+struct RunBeside {
+  QString letter, name;
+  std::shared_ptr<const RunResults> results;
+};
+/// How much later than the corresponding kick of another run this one settled.
+struct KickBeside {
+  bool has_counterpart = false;
+  std::optional<double> formation, tracking;  ///< negative: earlier; none: one of the two has not settled [s]
+};
+/// By run, then by kick.
+std::vector<std::vector<KickBeside>> compare(const std::vector<RunResults::Kick>& kicks,
+                                             const std::vector<RunBeside>& others);
+/// "formation 1.50 s earlier, tracking 0.60 s later"; a dash: the other run has no such kick.
+QString beside_text(const KickBeside& kick);
+
 /// What settles first after a kick, and how much earlier: "formation 1.2 s earlier".
 QString order_of(const RunResults::Kick& kick);
 /// A duration for people: "1.52 s", "not yet".
@@ -65,9 +81,9 @@ QString settling_text(const std::optional<double>& seconds);
 QString centimetres(double metres);
 
 /// Every kick a line, then closest approach, largest error and what was expected, which a run that is not over has not
-/// been judged by; for mail and notes.
-QString as_text(const QString& name, const RunResults& results);
-/// The kicks as a LaTeX tabular (booktabs).
-QString as_latex(const RunResults& results);
+/// been judged by; for mail and notes. With the differences to `others`.
+QString as_text(const QString& name, const RunResults& results, const std::vector<RunBeside>& others = {});
+/// The kicks as a LaTeX tabular (booktabs); two columns more for each of the others.
+QString as_latex(const RunResults& results, const std::vector<RunBeside>& others = {});
 
 }  // namespace skein::ui
