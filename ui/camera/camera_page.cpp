@@ -276,7 +276,10 @@ void CameraPage::refresh() {
   if (!view.over) return;
   // The last picture stays.
   const QString why = QString::fromStdString(view.problem);
-  if (view.picture.width == 0) picture_->clear(why);
+  if (view.picture.width == 0) {
+    picture_->clear(why);
+    status_->clear();
+  }
   watch_.reset();
   look_->setText(tr("Look"));
   look_->setAccessibleName(look_->text());
