@@ -140,9 +140,12 @@ TEST_F(Calibration, FindsWhereTheCameraHangsFromTagsOnTheFloor) {
 TEST_F(Calibration, SaysWhatItTakesOfANumberBeyondItsRange) {
   open_and_wait();
   CalibrationDialog* dialog = open_dialog();
+  ASSERT_TRUE(bring_to_front(*dialog));
   const auto type = [&](const char* name, const char* text) {
     auto* field = find<NumberField>(name);
     find<QLabel>("calibration_advice")->clear();
+    field->setFocus();
+    EXPECT_TRUE(eventually([&] { return field->hasFocus(); })) << name;
     field->selectAll();
     QTest::keyClicks(field, QString::fromLatin1(text));
     QTest::keyClick(field, Qt::Key_Return);

@@ -242,7 +242,7 @@ void CameraPage::refuse(const QString& why) {
 void CameraPage::end(const QString& why) {
   watch_.reset();
   picture_->clear(why);
-  status_->clear();  // the picture's place says it
+  show_status_text({});  // the picture's place says it
   look_->setText(tr("Look"));
   look_->setAccessibleName(look_->text());
   tags_.show({});
@@ -278,7 +278,7 @@ void CameraPage::refresh() {
   const QString why = QString::fromStdString(view.problem);
   if (view.picture.width == 0) {
     picture_->clear(why);
-    status_->clear();
+    show_status_text({});
   }
   watch_.reset();
   look_->setText(tr("Look"));
@@ -335,7 +335,12 @@ void CameraPage::show_status(const app::CameraView& view) {
   if (!std::isnan(view.tag_size)) lines << tr("Tags should have %1 mm.").arg(1e3 * view.tag_size, 0, 'g', 4);
   if (!view.note.empty()) lines << QString::fromStdString(view.note);
   if (view.over && view.problem.empty()) lines << tr("There are no more pictures.");
-  status_->setText(lines.join(QLatin1Char('\n')));
+  show_status_text(lines.join(QLatin1Char('\n')));
+}
+
+void CameraPage::show_status_text(const QString& text) {
+  status_->setText(text);
+  status_->setVisible(!text.isEmpty());
 }
 
 CameraPage::Values CameraPage::values() const {

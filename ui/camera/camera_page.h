@@ -88,6 +88,7 @@ class CameraPage final : public QDialog {
   void refresh();
   void show_settings(const app::CameraView& view);
   void show_status(const app::CameraView& view);
+  void show_status_text(const QString& text);
   void end(const QString& why);
   Values values() const;
 
