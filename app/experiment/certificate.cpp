@@ -201,15 +201,24 @@ void begin(const GainChange& change, core::GainSchedule& schedule, double ramp) 
     if (change[name]) schedule.ramp(name, *change[name], ramp);
 }
 
+void put(const core::TrackingGains& now, core::Gains& gains) {
+  if (gains.policy != core::GainPolicy::fixed) return;
+  gains.k_x = now[core::TrackingGain::k_x];
+  gains.k_theta = now[core::TrackingGain::k_theta];
+}
+
 /// The gains at the start, and those that each change leads to.
 std::vector<core::Gains> all_gains(const Experiment& experiment) {
   std::vector<core::Gains> all{make_gains(experiment)};
   core::GainSchedule schedule(experiment.controller.gains);
+  core::TrackingSchedule tracking(make_tracking(experiment));
   for (const GainChange& change : experiment.gain_changes) {
     begin(change, schedule, 0.0);
     schedule.step(experiment.period());
+    tracking.ramp(change.tracking, 0.0);
     all.push_back(all.front());
     put(schedule.now(), all.back());
+    put(tracking.target(), all.back());
   }
   return all;
 }
@@ -301,6 +310,7 @@ Certificate certify(const Experiment& experiment, const std::stop_token& stop) {
   const std::unique_ptr<const core::Reference> reference = make_reference(experiment);
   core::Gains gains = make_gains(experiment);
   core::GainSchedule schedule(experiment.controller.gains);
+  core::TrackingSchedule tracking(make_tracking(experiment));
   const std::size_t n = experiment.robots.size();
 
   Certificate certificate;
@@ -329,15 +339,18 @@ Certificate certify(const Experiment& experiment, const std::stop_token& stop) {
   for (std::int64_t k = 0; k < experiment.ticks() && !stop.stop_requested(); k = course.next(k)) {
     const double t = static_cast<double>(k) / experiment.rate;
     for (; next_change < experiment.gain_changes.size() && t >= experiment.gain_changes[next_change].t; ++next_change) {
-      begin(experiment.gain_changes[next_change], schedule, experiment.gain_changes[next_change].ramp);
+      const GainChange& change = experiment.gain_changes[next_change];
+      begin(change, schedule, change.ramp);
+      tracking.ramp(change.tracking, change.ramp);
       gains_move = true;
     }
     if (gains_move) {
-      if (k > 0) schedule.step(experiment.period());
+      if (k > 0) schedule.step(experiment.period()), tracking.step(experiment.period());
       put(schedule.now(), gains);
+      put(tracking.now(), gains);
       certificate.coupled = certificate.coupled || gains.k_xx.largest() > 0.0 || gains.k_tt.largest() > 0.0;
       for (Severest& robot : severest) robot.clear();
-      gains_move = !(schedule.now() == schedule.target());
+      gains_move = !(schedule.now() == schedule.target() && tracking.now() == tracking.target());
     }
     reference->at(t, points);
     bool any = false;

@@ -116,6 +116,15 @@ std::unique_ptr<const core::Reference> make_reference(const Experiment& experime
   return std::make_unique<core::Formation>(make_path(r.path), r.speed, r.start, places(r.shape, n), std::move(changes));
 }
 
+core::TrackingGains make_tracking(const Experiment& experiment) {
+  core::TrackingGains tracking;
+  for (const RobotSpec& robot : experiment.robots) {
+    tracking[core::TrackingGain::k_x].push_back(robot.k_x.value_or(experiment.controller.k_x));
+    tracking[core::TrackingGain::k_theta].push_back(robot.k_theta.value_or(experiment.controller.k_theta));
+  }
+  return tracking;
+}
+
 core::Gains make_gains(const Experiment& experiment) {
   const ControllerSpec& c = experiment.controller;
   const std::size_t n = experiment.robots.size();
@@ -140,8 +149,16 @@ core::Gains make_gains(const Experiment& experiment) {
   gains.k_yy = c.gains.k_yy;
   gains.c_yy = c.gains.c_yy;
   gains.policy = c.policy;
-  gains.k_x.assign(n, c.k_x);
-  gains.k_theta.assign(n, c.k_theta);
+  core::TrackingGains tracking = make_tracking(experiment);
+  gains.k_x = tracking[core::TrackingGain::k_x];
+  gains.k_theta = tracking[core::TrackingGain::k_theta];
+  for (const GainChange& change : experiment.gain_changes)
+    if (change.t < experiment.duration)
+      for (const core::TrackingGain name : core::tracking_names)
+        for (std::size_t i = 0; i < change.tracking[name].size(); ++i)
+          tracking[name][i] = std::max(tracking[name][i], change.tracking[name][i].value_or(0.0));
+  gains.k_x_reserved = tracking[core::TrackingGain::k_x];
+  gains.k_theta_reserved = tracking[core::TrackingGain::k_theta];
   core::use_policy(gains, std::vector<core::Twist>(n));
   return gains;
 }

@@ -127,16 +127,18 @@ struct ControllerSpec {
   double v_max = 0.1, omega_max = 1.7;
   double c_x = 20.0, c_theta = 1.0, k_y = 11.0, k = 200.0;
   core::GainPolicy policy = core::GainPolicy::authority;
-  double k_x = 0.0, k_theta = 0.0;  ///< of the policy "fixed" [m/s, rad/s]
+  double k_x = 0.0, k_theta = 0.0;  ///< of the policy "fixed", at the start [m/s, rad/s]
   core::CouplingGains gains;        ///< of all pairs; default: those of (36)
   LawSpec law;                      ///< the law; all of the above is for (15), v_max and omega_max for all laws
 };
 
-/// From time t on, the given parameters of the couplings move to new values at a constant rate within `ramp` seconds.
+/// From time t on, the given parameters of the couplings and the given tracking gains move to new values at a constant
+/// rate within `ramp` seconds.
 struct GainChange {
   double t = 0.0;
   double ramp = 1.0;
   std::array<std::optional<core::PairTable>, core::pair_names.size()> tables;  ///< in the order of core::pair_names
+  core::TrackingChange tracking;                                               ///< of the policy "fixed"
 
   std::optional<core::PairTable>& operator[](core::GainName name) { return tables[static_cast<std::size_t>(name)]; }
   const std::optional<core::PairTable>& operator[](core::GainName name) const {
@@ -160,7 +162,7 @@ struct RobotSpec {
   core::MotorModel motor = core::MotorModel::ideal;  ///< that of the type
   double radius = core::standard_radius;             ///< that of the type unless given [m]
   /// Its own parameters of (14), (15), (18) and (30); empty: those of [controller] and [avoidance].
-  std::optional<double> v_max, omega_max, c_x, c_theta, alpha, beta, K_a, K_o;
+  std::optional<double> v_max, omega_max, c_x, c_theta, k_x, k_theta, alpha, beta, K_a, K_o;
   std::optional<std::int64_t> p;
   std::optional<TrajectorySpec> trajectory;  ///< of an independent reference
   std::optional<core::Pose> start;           ///< simulated: its initial pose; empty: its place in the formation
@@ -398,7 +400,10 @@ std::shared_ptr<const core::Path> make_path(const PathSpec& path);
 std::unique_ptr<const core::Trajectory> make_trajectory(const TrajectorySpec& trajectory,
                                                         const ReferenceSpec& defaults);
 std::unique_ptr<const core::Reference> make_reference(const Experiment& experiment);
+/// The gains at the start.
 core::Gains make_gains(const Experiment& experiment);
+/// The tracking gains of the policy "fixed" at the start.
+core::TrackingGains make_tracking(const Experiment& experiment);
 core::CommandLimits make_limits(const Experiment& experiment, std::size_t robot);
 /// The parameters of (30) for robot i.
 core::AvoidanceParameters make_avoidance(const Experiment& experiment, std::size_t robot);

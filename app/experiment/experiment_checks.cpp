@@ -187,25 +187,29 @@ void check_speed(const Experiment& e, const core::Reference& reference, Problems
                                                 v_max, omega_max, e.controller.k_y, 1.0 / curvature));
 }
 
-/// (18f, g) with tracking gains that are given, at the key of the file that fails first.
+/// (18f, g) with tracking gains that are given, at the key of the file that fails first. `place`: of a change; empty:
+/// at the start.
 void check_fixed(const Experiment& e, const core::ReferenceDemand& demand, const core::CouplingGains& gains,
-                 const std::string& place, Problems& problems) {
+                 const core::TrackingGains& tracking, const std::string& place, Problems& problems) {
   constexpr double rounding = 1e-12;
-  const ControllerSpec& c = e.controller;
   const std::size_t robots = e.robots.size();
-  const auto check = [&](const char* equation, const char* name, double given, const std::vector<double>& wholes,
+  const auto check = [&](const char* equation, core::TrackingGain name, const std::vector<double>& wholes,
                          double reference, const std::vector<double>& couplings) {
+    const auto left_of = [&](std::size_t i) { return wholes[i] - reference - couplings[i]; };
     std::size_t worst = 0;
     for (std::size_t i = 1; i < robots; ++i)
-      if (wholes[i] - couplings[i] < wholes[worst] - couplings[worst]) worst = i;
-    const auto most = couplings.begin() + static_cast<std::ptrdiff_t>(worst);
-    const double whole = wholes[worst], left = whole - reference - *most;
+      if (left_of(i) - tracking[name][i] < left_of(worst) - tracking[name][worst]) worst = i;
+    const double given = tracking[name][worst], left = left_of(worst);
     if (given <= left + rounding) return;
     const std::string said = fmt::format(
         "{} fails for robot {} by {:.4g}: {:.6g} - reference {:.6g} - couplings {:.6g} "
         "leaves {:.6g} for {} = {}",
-        equation, most - couplings.begin() + 1, given - left, whole, reference, *most, left, name, given);
-    problems.add(place == "controller" ? fmt::format("controller.{}", name) : place,
+        equation, worst + 1, given - left, wholes[worst], reference, couplings[worst], left, word(name), given);
+    const RobotSpec& robot = e.robots[worst];
+    const bool own = name == core::TrackingGain::k_x ? robot.k_x.has_value() : robot.k_theta.has_value();
+    const std::string key =
+        own ? fmt::format("robot.{}.{}", worst + 1, word(name)) : fmt::format("controller.{}", word(name));
+    problems.add(place.empty() ? key : place,
                  left > 0.0 ? fmt::format("{}, allowed: up to {:.6g}", said, left)
                             : fmt::format("{}, allowed: a slower reference or smaller couplings", said));
   };
@@ -214,8 +218,8 @@ void check_fixed(const Experiment& e, const core::ReferenceDemand& demand, const
     forward.push_back(gains.k_xx.row_sum(i));
     turning.push_back(gains.k_tt.row_sum(i) + gains.k_yy.row_sum(i));
   }
-  check("(18f)", "k_x", c.k_x, all_v_max(e), demand.v, forward);
-  check("(18g)", "k_theta", c.k_theta, all_omega_max(e), demand.turning, turning);
+  check("(18f)", core::TrackingGain::k_x, all_v_max(e), demand.v, forward);
+  check("(18g)", core::TrackingGain::k_theta, all_omega_max(e), demand.turning, turning);
 }
 
 void check_gains(const Experiment& e, const core::Reference& reference, Problems& problems) {
@@ -256,7 +260,8 @@ void check_gains(const Experiment& e, const core::Reference& reference, Problems
                 e.robots.size(), problems);
   };
   core::CouplingGains gains = c.gains;
-  if (c.policy == core::GainPolicy::fixed) check_fixed(e, demand, gains, "controller", problems);
+  core::TrackingSchedule tracking(make_tracking(e));
+  if (c.policy == core::GainPolicy::fixed) check_fixed(e, demand, gains, tracking.now(), {}, problems);
   check_xx(gains, "controller.gains");
   check_tt_yy(gains, "controller.gains");
 
@@ -272,7 +277,8 @@ void check_gains(const Experiment& e, const core::Reference& reference, Problems
     if (change[core::GainName::k_yy]) gains.k_yy = *change[core::GainName::k_yy];
     if (change[core::GainName::k_xx]) check_xx(gains, place);
     if (change[core::GainName::k_tt] || change[core::GainName::k_yy]) check_tt_yy(gains, place);
-    if (c.policy == core::GainPolicy::fixed) check_fixed(e, demand, gains, place, problems);
+    tracking.ramp(change.tracking, 0.0);
+    if (c.policy == core::GainPolicy::fixed) check_fixed(e, demand, gains, tracking.target(), place, problems);
   }
 }
 

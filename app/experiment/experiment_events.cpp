@@ -105,10 +105,12 @@ std::string wrong_with(const Event& action, const Experiment& e) {
             return "a place inside the arena, and a radius of 0, which removes it, or more";
           },
           // No actions: `parse_action` does not read them.
-          [](const one_of<Start, Pause, Resume, Stop, Perturb, Kidnap, Schedule, GainHeld, PairGainHeld, Lost, Found,
-                          Avoid, Clear, events::Stage, Staged, Deadlock, NoWay, NoProgress, Outside, DeadlineMissed,
-                          VRise, Link, CameraMoved, CamerasDisagree, CameraLost, CameraFound, events::NotSeen,
-                          FilmBroken, Controller, NoNumber, Runaway, Obeys> auto&) -> std::string { return {}; },
+          [](const one_of<Start, Pause, Resume, Stop, Perturb, Kidnap, Schedule, ScheduleTracking, GainHeld,
+                          PairGainHeld, Lost, Found, Avoid, Clear, events::Stage, Staged, Deadlock, NoWay, NoProgress,
+                          Outside, DeadlineMissed, VRise, Link, CameraMoved, CamerasDisagree, CameraLost, CameraFound,
+                          events::NotSeen, FilmBroken, Controller, NoNumber, Runaway, Obeys> auto&) -> std::string {
+            return {};
+          },
       },
       action);
 }

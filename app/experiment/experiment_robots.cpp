@@ -104,6 +104,8 @@ void read_robot(TomlTable& t, RobotKeys& robot, Problems& problems) {
   t.number("omega_max", robot.spec.omega_max, above(0.0, 100.0, "rad/s"));
   t.number("c_x", robot.spec.c_x, above(0.0, 1e4, "1/m"));
   t.number("c_theta", robot.spec.c_theta, above(0.0, 1e4, "1/rad"));
+  t.number("k_x", robot.spec.k_x, above(0.0, 100.0, "m/s"));
+  t.number("k_theta", robot.spec.k_theta, above(0.0, 100.0, "rad/s"));
   t.number("alpha", robot.spec.alpha, above(0.0, 100.0, "m"));
   t.number("beta", robot.spec.beta, above(0.0, 100.0, "m"));
   t.integer("p", robot.spec.p, 1, 50);

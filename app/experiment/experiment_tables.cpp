@@ -90,16 +90,69 @@ constexpr PairKey pair_keys[] = {{core::GainName::k_xx, "k_xx", between(0.0, 100
                                  {core::GainName::l_xx, "l_xx", between(0.0, 1e6, "1/m^2")},
                                  {core::GainName::l_tt, "l_tt", between(0.0, 1e6, "1/rad^2")}};
 
+constexpr const char* only_fixed = "with policy = \"fixed\"; otherwise it is the remainder of (18f, g), as in (36)";
+
+constexpr Range range_of(core::TrackingGain name) {  // (18a)
+  switch (name) {
+    case core::TrackingGain::k_x:
+      return above(0.0, 100.0, "m/s");
+    case core::TrackingGain::k_theta:
+      break;
+  }
+  return above(0.0, 100.0, "rad/s");
+}
+
+/// One number for all robots, or [[i, value], ...]; robots that are not listed keep theirs.
+std::vector<std::optional<double>> read_tracking(TomlTable& t, core::TrackingGain name, std::size_t robots,
+                                                 Problems& problems) {
+  const std::string key(word(name));
+  const Range range = range_of(name);
+  const toml::node* const found = t.node(key.c_str());
+  if (!found->is_array()) {
+    double value = 0.0;
+    t.number(key.c_str(), value, range);
+    return std::vector<std::optional<double>>(robots, value);
+  }
+  std::vector<std::optional<double>> values(robots);
+  const auto most = static_cast<std::int64_t>(problems.sound({"robot"}) ? robots : most_robots);
+  std::size_t entry = 0;
+  for (const toml::node& element : *found->as_array()) {
+    const std::string place = fmt::format("{}.{}", t.full(key.c_str()), ++entry);
+    const toml::array* const pair = element.as_array();
+    const bool whole = pair && pair->size() == 2;
+    const auto robot = whole ? (*pair)[0].value_exact<std::int64_t>() : std::nullopt;
+    const auto value = whole && (*pair)[1].is_number() ? (*pair)[1].value<double>() : std::nullopt;
+    if (!robot || *robot < 1 || *robot > most || !value || !range.holds(*value)) {
+      problems.add(element.source(),
+                   fmt::format("{}: found {}, allowed: [i, value] with a robot from 1 to {} and {}", place,
+                               whole ? fmt::format("[{}, {}]", shown((*pair)[0]), shown((*pair)[1])) : shown(element),
+                               most, range.text()));
+      continue;
+    }
+    const auto i = static_cast<std::size_t>(*robot - 1);
+    if (i >= robots) continue;  // how many there are is not known
+    if (values[i])
+      problems.add(element.source(), fmt::format("{}: found robot {} again, allowed: each robot once", place, *robot));
+    values[i] = *value;
+  }
+  return values;
+}
+
 /// The tracking gains, where they are not what (18f, g) leaves.
-void read_policy(TomlTable& t, ControllerSpec& c) {
+void read_policy(TomlTable& t, const Experiment& e, ControllerSpec& c, Problems& problems) {
   t.choice("policy", c.policy);
   const bool known = t.sound("controller.policy");
   const bool fixed = c.policy == core::GainPolicy::fixed;
   for (const auto& [key, target] : {std::pair{"k_x", &c.k_x}, std::pair{"k_theta", &c.k_theta}}) {
     if (fixed && known) t.require(key, "the tracking gain, above 0 and at most what (18f, g) leave");
-    if (!fixed && known && t.has(key))
-      t.refuse(key, *t.node(key), "with policy = \"fixed\"; otherwise it is the remainder of (18f, g), as in (36)");
+    if (!fixed && known && t.has(key)) t.refuse(key, *t.node(key), only_fixed);
     t.number(key, *target, above(0.0, 100.0));  // (18a)
+  }
+  for (std::size_t i = 0; !fixed && known && i < e.robots.size(); ++i) {
+    const RobotSpec& robot = e.robots[i];
+    for (const auto& [key, own] : {std::pair{"k_x", robot.k_x}, std::pair{"k_theta", robot.k_theta}})
+      if (own)
+        problems.add(fmt::format("robot.{}.{}", i + 1, key), fmt::format("found {}, allowed: {}", *own, only_fixed));
   }
 }
 
@@ -170,7 +223,7 @@ void read_controller(TomlTable t, Experiment& e, Problems& problems) {
   ControllerSpec& c = e.controller;
   read_keys(t, "controller", e);
   read_law(t, c.law, problems);
-  read_policy(t, c);
+  read_policy(t, e, c, problems);
   TomlTable gains = t.table("gains");
   for (const auto& [name, key, range] : pair_keys)
     read_gain(name <= core::gain_names.back() ? gains : t, key, core::table(c.gains, name), range, problems);
@@ -190,7 +243,15 @@ void read_gain_changes(TomlTable& document, Experiment& e, Problems& problems) {
       read_gain(t, key, value, range, problems);
       if (t.has(key)) change[name] = value, any = true;
     }
-    if (!any) t.require("k_xx", "at least one of k_xx, k_tt, k_yy, c_xx, c_tt, c_yy, l_xx, l_tt");
+    for (const core::TrackingGain name : core::tracking_names) {
+      const char* const key = word(name).data();
+      if (!t.has(key)) continue;
+      any = true;
+      change.tracking[name] = read_tracking(t, name, e.robots.size(), problems);
+      if (e.controller.policy != core::GainPolicy::fixed && problems.sound({"controller.policy"}))
+        t.refuse(key, *t.node(key), only_fixed);
+    }
+    if (!any) t.require("k_xx", "at least one of k_xx, k_tt, k_yy, c_xx, c_tt, c_yy, l_xx, l_tt, k_x, k_theta");
     t.finish();
     e.gain_changes.push_back(std::move(change));
   }

@@ -54,7 +54,7 @@ void fields(auto& io, one_of<Gain> auto& e) {
   io.optional("ramp", e.ramp);
 }
 
-void fields(auto& io, one_of<Schedule> auto& e) {
+void fields(auto& io, one_of<Schedule, ScheduleTracking> auto& e) {
   io.word_of(e.gain);
   io.change(e.from, e.to);
 }
@@ -225,7 +225,7 @@ class Reader {
   bool ok_ = true;
 };
 
-/// Tries each kind of event for its word.
+/// Tries each kind of event for its word; two kinds may share one.
 template <std::size_t... k>
 std::optional<Event> parse(std::string_view text, std::index_sequence<k...>) {
   std::optional<Event> found;
@@ -236,7 +236,7 @@ std::optional<Event> parse(std::string_view text, std::index_sequence<k...>) {
     reader.next();
     fields(reader, event);
     if (reader.whole()) found = event;
-    return true;
+    return reader.whole();
   };
   (void)(read_as(std::variant_alternative_t<k, Event>{}) || ...);
   return found;
@@ -285,10 +285,12 @@ bool is_action(const Event& event) noexcept {
           [](const one_of<Move, Hold, Release, Kick, PutObstacle, Gain, PairGain, Parameter, Couple, Uncouple> auto&) {
             return true;
           },
-          [](const one_of<Start, Pause, Resume, Stop, Perturb, Kidnap, Schedule, GainHeld, PairGainHeld, Lost, Found,
-                          Avoid, Clear, Stage, Staged, Deadlock, NoWay, NoProgress, Outside, DeadlineMissed, VRise,
-                          events::Link, CameraMoved, CamerasDisagree, CameraLost, CameraFound, events::NotSeen,
-                          FilmBroken, events::Controller, NoNumber, Runaway, Obeys> auto&) { return false; },
+          [](const one_of<Start, Pause, Resume, Stop, Perturb, Kidnap, Schedule, ScheduleTracking, GainHeld,
+                          PairGainHeld, Lost, Found, Avoid, Clear, Stage, Staged, Deadlock, NoWay, NoProgress, Outside,
+                          DeadlineMissed, VRise, events::Link, CameraMoved, CamerasDisagree, CameraLost, CameraFound,
+                          events::NotSeen, FilmBroken, events::Controller, NoNumber, Runaway, Obeys> auto&) {
+            return false;
+          },
       },
       event);
 }

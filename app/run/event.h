@@ -141,6 +141,11 @@ struct Schedule {  ///< a [[gain_change]] of the file begins
   core::GainName gain = core::GainName::k_xx;
   double from = 0.0, to = 0.0;
 };
+struct ScheduleTracking {  ///< the same for a tracking gain; the largest of all robots
+  static constexpr std::string_view word = "schedule";
+  core::TrackingGain gain = core::TrackingGain::k_x;
+  double from = 0.0, to = 0.0;
+};
 struct GainHeld {  ///< (18) forbids more than `held`
   static constexpr std::string_view word = "gain_held";
   core::GainName gain = core::GainName::k_xx;
@@ -285,14 +290,15 @@ struct NoNumber {  ///< the law's output is not a number, or excessive: the robo
 }  // namespace events
 
 /// An event of a tick; `describe` gives its words for the log.
-using Event = std::variant<events::Start, events::Pause, events::Resume, events::Stop, events::Perturb, events::Kidnap,
-                           events::Move, events::Hold, events::Release, events::Kick, events::PutObstacle, events::Gain,
-                           events::Schedule, events::GainHeld, events::PairGain, events::PairGainHeld, events::Couple,
-                           events::Uncouple, events::Lost, events::Found, events::Avoid, events::Clear, events::Stage,
-                           events::Staged, events::Deadlock, events::DeadlineMissed, events::VRise, events::Link,
-                           events::CameraMoved, events::NotSeen, events::FilmBroken, events::NoWay, events::NoProgress,
-                           events::Outside, events::Controller, events::NoNumber, events::CamerasDisagree,
-                           events::CameraLost, events::CameraFound, events::Runaway, events::Obeys, events::Parameter>;
+using Event =
+    std::variant<events::Start, events::Pause, events::Resume, events::Stop, events::Perturb, events::Kidnap,
+                 events::Move, events::Hold, events::Release, events::Kick, events::PutObstacle, events::Gain,
+                 events::Schedule, events::GainHeld, events::PairGain, events::PairGainHeld, events::Couple,
+                 events::Uncouple, events::Lost, events::Found, events::Avoid, events::Clear, events::Stage,
+                 events::Staged, events::Deadlock, events::DeadlineMissed, events::VRise, events::Link,
+                 events::CameraMoved, events::NotSeen, events::FilmBroken, events::NoWay, events::NoProgress,
+                 events::Outside, events::Controller, events::NoNumber, events::CamerasDisagree, events::CameraLost,
+                 events::CameraFound, events::Runaway, events::Obeys, events::Parameter, events::ScheduleTracking>;
 static_assert(std::is_trivially_copyable_v<Event>, "the tick and its channels copy events without allocating");
 
 /// For std::visit: one function for each alternative. An alternative that is in none of them does not compile.

@@ -35,10 +35,10 @@ std::optional<OperatorCommand> command_of(const Event& event) noexcept {
           [](const PutObstacle& e) -> Command {
             return commands::PutObstacle{e.number, e.obstacle};
           },
-          [](const one_of<Stop, Perturb, Kidnap, Move, Kick, Schedule, GainHeld, PairGainHeld, Lost, Found, Avoid,
-                          Clear, Staged, Deadlock, NoWay, NoProgress, Outside, DeadlineMissed, VRise, events::Link,
-                          CameraMoved, CamerasDisagree, CameraLost, CameraFound, events::NotSeen, FilmBroken,
-                          Controller, NoNumber, Runaway, Obeys> auto&) -> Command { return std::nullopt; },
+          [](const one_of<Stop, Perturb, Kidnap, Move, Kick, Schedule, ScheduleTracking, GainHeld, PairGainHeld, Lost,
+                          Found, Avoid, Clear, Staged, Deadlock, NoWay, NoProgress, Outside, DeadlineMissed, VRise,
+                          events::Link, CameraMoved, CamerasDisagree, CameraLost, CameraFound, events::NotSeen,
+                          FilmBroken, Controller, NoNumber, Runaway, Obeys> auto&) -> Command { return std::nullopt; },
       },
       event);
 }

@@ -705,10 +705,10 @@ bool may_raise_v(const Event& event) noexcept {
           [](const one_of<Perturb, Kidnap, Move, Kick, Hold, Release, Lost, Found, Runaway, Obeys> auto&) {
             return true;
           },
-          [](const one_of<Start, Pause, Resume, Stop, PutObstacle, Gain, Schedule, GainHeld, PairGain, PairGainHeld,
-                          Parameter, Couple, Uncouple, Avoid, Clear, events::Stage, Staged, Deadlock, NoWay, NoProgress,
-                          Outside, DeadlineMissed, VRise, events::Link, CameraMoved, CamerasDisagree, CameraLost,
-                          CameraFound, events::NotSeen, FilmBroken, events::Controller, NoNumber> auto&) {
+          [](const one_of<Start, Pause, Resume, Stop, PutObstacle, Gain, Schedule, ScheduleTracking, GainHeld, PairGain,
+                          PairGainHeld, Parameter, Couple, Uncouple, Avoid, Clear, events::Stage, Staged, Deadlock,
+                          NoWay, NoProgress, Outside, DeadlineMissed, VRise, events::Link, CameraMoved, CamerasDisagree,
+                          CameraLost, CameraFound, events::NotSeen, FilmBroken, events::Controller, NoNumber> auto&) {
             return false;
           },
       },

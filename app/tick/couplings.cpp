@@ -15,6 +15,10 @@ using core::table;
 /// wants gains that are continuous, and a hand on a slider is not.
 constexpr double operator_ramp = 5.0;
 
+double largest(const std::vector<double>& values) noexcept {
+  return *std::max_element(values.begin(), values.end());
+}
+
 template <typename Visit>
 void for_each_pair(std::size_t robots, Visit&& visit) noexcept {
   for (std::size_t i = 0; i < robots; ++i)
@@ -27,14 +31,19 @@ Couplings::Couplings(const Experiment& experiment, const core::Gains& gains, con
     : changes_(experiment.gain_changes),
       file_(experiment.controller.gains),
       limits_(gains),
+      file_limits_(gains),
       demand_(demand),
       schedule_(file_),
+      tracking_(make_tracking(experiment)),
       wanted_(file_),
       off_(experiment.robots.size()),
       scratch_(experiment.robots.size()) {
-  for (const GainChange& change : changes_)
+  for (const GainChange& change : changes_) {
     for (const GainName name : core::pair_names)
       shapes_change_ = shapes_change_ || (name > gain_names.back() && change[name]);
+    for (const core::TrackingGain name : core::tracking_names)
+      tracking_changes_ = tracking_changes_ || !change.tracking[name].empty();
+  }
 }
 
 /// Slopes and weights are the file's, and only different robots are a pair.
@@ -188,14 +197,36 @@ void Couplings::follow_file(double t, EventList& events) noexcept {
       });
       schedule_.ramp(name, scratch_, change.ramp);
     }
+    follow_tracking(change, events);
     if (asked_) hold_file(change, events);
   }
 }
 
+void Couplings::follow_tracking(const GainChange& change, EventList& events) noexcept {
+  std::array<double, core::tracking_names.size()> before{};
+  for (const core::TrackingGain name : core::tracking_names)
+    before[static_cast<std::size_t>(name)] = largest(tracking_.target()[name]);
+  tracking_.ramp(change.tracking, change.ramp);
+  for (const core::TrackingGain name : core::tracking_names)
+    if (!change.tracking[name].empty())
+      events.add(
+          events::ScheduleTracking{name, before[static_cast<std::size_t>(name)], largest(tracking_.target()[name])});
+}
+
+void Couplings::reserve_for_file(const core::TrackingGains& tracking) noexcept {
+  if (!tracking_changes_) return;
+  const auto copy = [](const std::vector<double>& from, std::vector<double>& to) {
+    std::copy(from.begin(), from.end(), to.begin());
+  };
+  copy(tracking[core::TrackingGain::k_x], file_limits_.k_x_reserved);
+  copy(tracking[core::TrackingGain::k_theta], file_limits_.k_theta_reserved);
+}
+
 void Couplings::hold_file(const GainChange& change, EventList& events) noexcept {
+  reserve_for_file(tracking_.target());
   for (const GainName name : gain_names) {
     if (!change[name]) continue;
-    const double share = core::held_share(name, limits_, schedule_.target(), demand_);
+    const double share = core::held_share(name, file_limits_, schedule_.target(), demand_);
     if (share == 1.0) continue;
     const double asked = table(schedule_.target(), name).largest();
     scratch_ = table(schedule_.target(), name);
@@ -210,12 +241,18 @@ void Couplings::hold_file(const GainChange& change, EventList& events) noexcept 
 
 void Couplings::step(double dt, core::Gains& gains) noexcept {
   schedule_.step(dt);
+  if (tracking_changes_) {
+    tracking_.step(dt);
+    reserve_for_file(tracking_.now());
+    gains.k_x = tracking_.now()[core::TrackingGain::k_x];  // of the same size: nothing is allocated
+    gains.k_theta = tracking_.now()[core::TrackingGain::k_theta];
+  }
   const core::CouplingGains& now = schedule_.now();
   gains.k_xx = now.k_xx;
   gains.k_tt = now.k_tt;
   gains.k_yy = now.k_yy;
   // Two ramps of different length may ask for more on the way than at either end.
-  const double share = asked_ ? core::held_share(GainName::k_yy, limits_, now, demand_) : 1.0;
+  const double share = asked_ ? core::held_share(GainName::k_yy, file_limits_, now, demand_) : 1.0;
   if (share < 1.0)
     for_each_pair(off_.robots(), [&](std::size_t i, std::size_t j) { gains.k_yy.set(i, j, share * now.k_yy(i, j)); });
   if (!shapes_change_) return;

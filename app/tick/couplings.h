@@ -8,9 +8,9 @@
 
 namespace skein::app {
 
-/// The couplings of a run: changes scheduled by the file and commands of the operator, each approached by a ramp and
-/// clamped at the limit of (18f, g). A pair can be switched off: its gains go to zero, are remembered, and restored
-/// with it. Part of the tick: allocates in its constructor only.
+/// The couplings of a run, and its tracking gains where the file gives them: changes scheduled by the file and commands
+/// of the operator, each approached by a ramp and clamped at the limit of (18f, g). A pair can be switched off: its
+/// gains go to zero, are remembered, and restored with it. Part of the tick: allocates in its constructor only.
 class Couplings {
  public:
   Couplings(const Experiment& experiment, const core::Gains& gains, const core::ReferenceDemand& demand);
@@ -41,21 +41,25 @@ class Couplings {
   void go(core::GainName name, std::size_t i, std::size_t j, double value, bool ready, double seconds = 0.0) noexcept;
   double rate(core::GainName name, bool ready) const noexcept;
   /// A change of the file was checked with the file's other gains, not with the operator's: it is clamped at the limit
-  /// of (18f, g) with these.
+  /// of (18f, g) with these, and with the tracking gains that the file asks for by then.
   void hold_file(const GainChange& change, EventList& events) noexcept;
+  void follow_tracking(const GainChange& change, EventList& events) noexcept;
+  void reserve_for_file(const core::TrackingGains& tracking) noexcept;
   double base(core::GainName name, std::size_t i, std::size_t j) const noexcept;
 
   // Of the experiment.
   std::vector<GainChange> changes_;
   core::CouplingGains file_;
-  core::Gains limits_;  // v_max, omega_max and the reserve for tracking
+  core::Gains limits_;       // v_max, omega_max and the reserve for tracking, for the operator
+  core::Gains file_limits_;  // the same for the file, which may use what it does not reserve at that time
   core::ReferenceDemand demand_;
   // What lasts from tick to tick.
   std::size_t next_change_ = 0;
   core::GainSchedule schedule_;
+  core::TrackingSchedule tracking_;
   core::CouplingGains wanted_;  // the pairs' targets if none were switched off
   core::PairTable off_;         // 1: the pair is switched off
-  bool any_off_ = false, shapes_change_ = false;
+  bool any_off_ = false, shapes_change_ = false, tracking_changes_ = false;
   bool asked_ = false;  // the operator has changed something
   std::array<std::optional<double>, 3> all_before_start_;
   core::PairTable scratch_;

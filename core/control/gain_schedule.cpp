@@ -18,6 +18,17 @@ void for_each_pair(PairTable& result, const PairTable& a, const PairTable& b, co
     for (std::size_t j = i + 1; j < result.robots(); ++j) result.set(i, j, function(a(i, j), b(i, j), c(i, j)));
 }
 
+/// The constant rate that leads from `start` to `end` within `seconds`.
+double rate_within(double start, double end, double seconds) noexcept {
+  return seconds > 0.0 ? std::abs(end - start) / seconds : std::numeric_limits<double>::infinity();
+}
+
+double stepped(double value, double target, double rate, double dt) noexcept {
+  const double change = target - value;
+  const double most = rate * dt;
+  return std::abs(change) <= most ? target : value + std::copysign(most, change);
+}
+
 }  // namespace
 
 const PairTable& table(const CouplingGains& gains, GainName name) noexcept {
@@ -121,9 +132,8 @@ void GainSchedule::ramp(GainName name, const PairTable& target, double seconds) 
   const PairTable& from = table(now_, name);
   PairTable& rate = table(rate_, name);
   table(target_, name) = target;
-  for_each_pair(rate, from, target, target, [seconds](double start, double end, double) {
-    return seconds > 0.0 ? std::abs(end - start) / seconds : std::numeric_limits<double>::infinity();
-  });
+  for_each_pair(rate, from, target, target,
+                [seconds](double start, double end, double) { return rate_within(start, end, seconds); });
 }
 
 void GainSchedule::move(GainName name, double value, double rate) noexcept {
@@ -140,12 +150,25 @@ void GainSchedule::step(double dt) noexcept {
   if (!(dt > 0.0)) return;  // an instant rate times no time is not a number
   for (const GainName name : pair_names) {
     PairTable& now = table(now_, name);
-    for_each_pair(now, now, table(target_, name), table(rate_, name), [dt](double value, double target, double rate) {
-      const double change = target - value;
-      const double most = rate * dt;
-      return std::abs(change) <= most ? target : value + std::copysign(most, change);
-    });
+    for_each_pair(now, now, table(target_, name), table(rate_, name),
+                  [dt](double value, double target, double rate) { return stepped(value, target, rate, dt); });
   }
+}
+
+void TrackingSchedule::ramp(const TrackingChange& change, double seconds) noexcept {
+  for (const TrackingGain name : tracking_names)
+    for (std::size_t i = 0; i < change[name].size(); ++i) {
+      if (!change[name][i]) continue;
+      target_[name][i] = *change[name][i];
+      rate_[name][i] = rate_within(now_[name][i], target_[name][i], seconds);
+    }
+}
+
+void TrackingSchedule::step(double dt) noexcept {
+  if (!(dt > 0.0)) return;  // an instant rate times no time is not a number
+  for (const TrackingGain name : tracking_names)
+    for (std::size_t i = 0; i < now_[name].size(); ++i)
+      now_[name][i] = stepped(now_[name][i], target_[name][i], rate_[name][i], dt);
 }
 
 }  // namespace skein::core

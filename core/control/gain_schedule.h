@@ -2,7 +2,10 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
+#include <span>
 #include <string_view>
+#include <vector>
 
 #include "core/control/gains.h"
 
@@ -89,6 +92,49 @@ class GainSchedule {
 
  private:
   CouplingGains now_, target_, rate_;
+};
+
+enum class TrackingGain { k_x, k_theta };
+
+/// As files, logs and the CSV call it (core/words.h).
+constexpr std::string_view word(TrackingGain name) noexcept {
+  switch (name) {
+    case TrackingGain::k_x:
+      return "k_x";
+    case TrackingGain::k_theta:
+      return "k_theta";
+  }
+  return {};
+}
+
+inline constexpr std::array tracking_names{TrackingGain::k_x, TrackingGain::k_theta};
+
+/// One value for each robot, of each tracking gain: `gains[TrackingGain::k_x][i]`. [m/s; rad/s]
+template <typename Value>
+struct TrackingTable {
+  std::array<std::vector<Value>, tracking_names.size()> values;
+
+  std::vector<Value>& operator[](TrackingGain name) { return values[static_cast<std::size_t>(name)]; }
+  const std::vector<Value>& operator[](TrackingGain name) const { return values[static_cast<std::size_t>(name)]; }
+  friend bool operator==(const TrackingTable&, const TrackingTable&) = default;
+};
+using TrackingGains = TrackingTable<double>;
+using TrackingChange = TrackingTable<std::optional<double>>;  ///< nullopt, or no values at all: unchanged
+
+/// k_x,i(t) and k_theta,i(t) of GainPolicy::fixed, piecewise linear in time: Theorem 1 requires continuous gains.
+class TrackingSchedule {
+ public:
+  explicit TrackingSchedule(TrackingGains start) : now_(start), target_(start), rate_(std::move(start)) {}
+
+  const TrackingGains& now() const noexcept { return now_; }
+  const TrackingGains& target() const noexcept { return target_; }
+
+  /// Every robot with a value in `change` moves to it within `seconds`, each at its own constant rate.
+  void ramp(const TrackingChange& change, double seconds) noexcept;
+  void step(double dt) noexcept;
+
+ private:
+  TrackingGains now_, target_, rate_;
 };
 
 PairTable& table(CouplingGains& gains, GainName name) noexcept;

@@ -37,6 +37,8 @@ Gains paper_gains(std::size_t robots) {
   gains.c_theta.assign(robots, 1.0);
   gains.k_x.assign(robots, 0.0);
   gains.k_theta.assign(robots, 0.0);
+  gains.k_x_reserved.assign(robots, 0.0);
+  gains.k_theta_reserved.assign(robots, 0.0);
   gains.k_xx = PairTable(robots, 0.008);
   gains.c_xx = PairTable(robots, 1.5);
   gains.l_xx = PairTable(robots, 100.0);
@@ -72,7 +74,7 @@ void use_policy(Gains& gains, std::span<const Twist> reference) noexcept {
 double free_v(const Gains& gains, std::size_t i) noexcept {
   switch (gains.policy) {
     case GainPolicy::fixed:
-      return gains.v_max[i] - gains.k_x[i];
+      return gains.v_max[i] - gains.k_x_reserved[i];
     case GainPolicy::authority:
       break;
   }
@@ -82,7 +84,7 @@ double free_v(const Gains& gains, std::size_t i) noexcept {
 double free_omega(const Gains& gains, std::size_t i) noexcept {
   switch (gains.policy) {
     case GainPolicy::fixed:
-      return gains.omega_max[i] - gains.k_theta[i];
+      return gains.omega_max[i] - gains.k_theta_reserved[i];
     case GainPolicy::authority:
       break;
   }

@@ -35,7 +35,7 @@ constexpr std::string_view word(Coupling form) noexcept {
 /// How the tracking gains k_x, k_theta are determined.
 enum class GainPolicy {
   authority,  ///< all that (18f, g) leaves, as in (36): see `use_all_authority`
-  fixed,      ///< given numbers, constant along the reference
+  fixed,      ///< given numbers, whatever the reference: constant, or moved by a TrackingSchedule
 };
 
 /// As files call it (core/words.h).
@@ -63,6 +63,9 @@ struct Gains {
   std::vector<double> c_x;        ///< its slope [1/m]
   std::vector<double> k_theta;    ///< bound of the heading tracking term [rad/s]
   std::vector<double> c_theta;    ///< its slope [1/rad]
+  /// GainPolicy::fixed: the largest k_x and k_theta of the whole run, which neither couplings that an operator changes
+  /// nor modified references may use.
+  std::vector<double> k_x_reserved, k_theta_reserved;
 
   PairTable k_xx, c_xx, l_xx;  ///< coupling of x errors: bound [m/s], slope [1/m], weight [1/m^2]
   PairTable k_tt, c_tt, l_tt;  ///< coupling of heading errors: bound [rad/s], slope [1/rad], weight [1/rad^2]

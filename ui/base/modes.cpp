@@ -83,7 +83,7 @@ Severity severity(const app::Event& event) {
           },
           [](const one_of<Found, Obeys, CameraFound> auto&) { return Severity::good; },
           [](const one_of<Start, Perturb, Move, Kick, Release, PutObstacle, Gain, PairGain, Parameter, Couple, Uncouple,
-                          Schedule, Pause, Resume> auto&) { return Severity::notice; },
+                          Schedule, ScheduleTracking, Pause, Resume> auto&) { return Severity::notice; },
           [](const one_of<app::events::Stage, Staged, Deadlock, Avoid, Clear> auto&) { return Severity::note; },
       },
       event);

@@ -28,6 +28,16 @@ QString gain_symbol(core::GainName gain) {
   return QString::fromLatin1(core::word(gain).data());
 }
 
+QString gain_symbol(core::TrackingGain gain) {
+  switch (gain) {
+    case core::TrackingGain::k_x:
+      return QStringLiteral("k_x");
+    case core::TrackingGain::k_theta:
+      break;
+  }
+  return QStringLiteral("k_θ");
+}
+
 QString reason_text(core::NotSeen why) {
   switch (why) {
     case core::NotSeen::not_found:
@@ -197,7 +207,7 @@ QString sentence(const app::Event& event) {
           [&](const Gain& e) {
             return tr("%1 goes from %2 to %3").arg(gain_symbol(e.gain), number(e.from), number(e.to)) + within(e.ramp);
           },
-          [&](const Schedule& e) {
+          [&](const app::one_of<Schedule, ScheduleTracking> auto& e) {
             return tr("%1 goes from %2 to %3, as the experiment says")
                 .arg(gain_symbol(e.gain), number(e.from), number(e.to));
           },

@@ -8,6 +8,7 @@ namespace skein::ui {
 
 /// A gain as the sliders write it, where only plain text can stand: "k_θθ". The CSV's word for it is "k_tt".
 QString gain_symbol(core::GainName gain);
+QString gain_symbol(core::TrackingGain gain);
 
 /// Why a tag is not seen, as half a sentence: "part of its tag is covered or blurred".
 QString reason_text(core::NotSeen why);

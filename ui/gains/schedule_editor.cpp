@@ -24,7 +24,7 @@ void ScheduleModel::show(const app::Experiment& experiment) {
   for (const core::GainName gain : core::gain_names)
     start_[static_cast<std::size_t>(gain)] = core::table(experiment.controller.gains, gain).largest();
   rows_.clear();
-  per_pair_ = false;
+  not_shown_ = false;
   for (const app::GainChange& change : changes) {
     std::array<std::optional<double>, columns> row;
     row[t] = change.t;
@@ -34,8 +34,10 @@ void ScheduleModel::show(const app::Experiment& experiment) {
       if (!table) continue;
       const bool has_column = name <= core::gain_names.back();
       if (has_column) row[k_xx + static_cast<std::size_t>(name)] = table->largest();
-      per_pair_ = per_pair_ || !has_column || !table->uniform();  // what no column can hold
+      not_shown_ = not_shown_ || !has_column || !table->uniform();  // what no column can hold
     }
+    for (const core::TrackingGain name : core::tracking_names)
+      not_shown_ = not_shown_ || !change.tracking[name].empty();
     rows_.push_back(row);
   }
   first_rows_ = rows_;
@@ -210,10 +212,11 @@ void ScheduleEditor::set_editable(bool editable) {
 }
 
 void ScheduleEditor::dress() {
-  const bool possible = editable_ && !model_.differs_per_pair();
-  setToolTip(model_.differs_per_pair() ? tr("Its gains differ from pair to pair: edit the experiment file")
-             : editable_               ? QString()
-                                       : tr("A schedule can be changed before the start only"));
+  const bool possible = editable_ && !model_.has_more();
+  setToolTip(model_.has_more()
+                 ? tr("It holds more than a value for all pairs of k_xx, k_θθ and k_yy: edit the experiment file")
+             : editable_ ? QString()
+                         : tr("A schedule can be changed before the start only"));
   table_->setEditTriggers(possible ? QAbstractItemView::DoubleClicked | QAbstractItemView::EditKeyPressed |
                                          QAbstractItemView::AnyKeyPressed
                                    : QAbstractItemView::NoEditTriggers);

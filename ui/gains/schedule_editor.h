@@ -27,8 +27,8 @@ class ScheduleModel final : public QAbstractTableModel {
   void take_back();  ///< all changes since the experiment was shown
   /// As the value of the file's key gain_change; rows in the order of t.
   QString as_toml() const;
-  /// A gain differs between pairs: a table of single numbers cannot show it.
-  bool differs_per_pair() const { return per_pair_; }
+  /// Some change is more than the columns show: gains that differ between pairs, slopes and weights, tracking gains.
+  bool has_more() const { return not_shown_; }
 
   int rowCount(const QModelIndex& parent = {}) const override;
   int columnCount(const QModelIndex& parent = {}) const override { return parent.isValid() ? 0 : columns; }
@@ -44,7 +44,7 @@ class ScheduleModel final : public QAbstractTableModel {
  private:
   std::vector<std::array<std::optional<double>, columns>> rows_, first_rows_;
   std::array<double, 3> start_{};  // the gains that the run begins with, in the order of core::gain_names
-  bool per_pair_ = false;
+  bool not_shown_ = false;
 };
 
 /// Lets the operator change the schedule before the start.

@@ -18,8 +18,8 @@ const QString between = QStringLiteral("   ·   ");
 /// Shown elsewhere in the window: by the run bar, the sliders, the states of the strip.
 bool said_elsewhere(const app::Event& event) {
   using namespace app::events;
-  return app::is<Start, Pause, Resume, Stop, Gain, Schedule, PairGain, Lost, Found, Avoid, Clear, app::events::Stage,
-                 Staged, Deadlock, VRise>(event);
+  return app::is<Start, Pause, Resume, Stop, Gain, Schedule, ScheduleTracking, PairGain, Lost, Found, Avoid, Clear,
+                 app::events::Stage, Staged, Deadlock, VRise>(event);
 }
 
 }  // namespace

@@ -150,6 +150,37 @@ TEST(Certificate, RefusesALoopThatSamplingMakesUnstable) {
   }
 }
 
+/// Two ramps of different length may take more on the way than at either end.
+TEST(Certificate, LooksAtTrackingGainsOnTheirWay) {
+  const auto of = [](const char* second) {
+    return certify(*parse_experiment(
+        std::string("duration = 30\n[controller]\npolicy = 'fixed'\nk_x = 0.026\nk_theta = 0.3\n"
+                    "[[gain_change]]\nt = 10\nramp = 5\nk_x = [[1, 0.01], [2, 0.01], [3, 0.01], [4, 0.01]]\n"
+                    "[[gain_change]]\nk_xx = 0.013\n") +
+            second,
+        "e.toml"));
+  };
+  EXPECT_TRUE(of("t = 10\nramp = 5").holds());
+  const Certificate early = of("t = 10\nramp = 1");
+  EXPECT_FALSE(early.holds());
+  EXPECT_NEAR(early.robots[0].f.value, -(3 * 0.005 - 0.016 / 5), 1e-9)
+      << "k_xx is there after 1 s, k_x a fifth of its way";
+  EXPECT_NEAR(early.robots[0].f.t, 11.0, 0.05);
+  EXPECT_NEAR(of("t = 10\nramp = 5").robots[0].k_x.value, 0.01, 1e-12);
+}
+
+/// k_x that falls and k_x that rises can both make the loop weaker.
+TEST(Certificate, DelayMarginIsTheSmallestThatTheTrackingGainsEverHave) {
+  const std::string fixed = "duration = 30\n[controller]\npolicy = 'fixed'\nk_theta = 0.3\nk_x = ";
+  const auto margin = [&](const std::string& text) {
+    return certify(*parse_experiment(fixed + text, "e.toml")).delay.margin.delay;
+  };
+  const double slow = margin("0.005"), fast = margin("0.02");
+  EXPECT_GT(std::abs(slow - fast), 1e-3);
+  EXPECT_DOUBLE_EQ(margin("0.005\n[[gain_change]]\nt = 10\nk_x = 0.02"), std::min(slow, fast));
+  EXPECT_DOUBLE_EQ(margin("0.02\n[[gain_change]]\nt = 10\nk_x = 0.005"), std::min(slow, fast));
+}
+
 TEST(Certificate, RefusesGainsThatLeaveTrackingNextToNothing) {
   Experiment e = steady();
   // v_max 0.1 - v_ref 0.05 - 3 k_xx leaves 0.2 um/s.

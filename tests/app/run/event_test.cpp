@@ -27,6 +27,7 @@ const std::vector<std::pair<Event, std::string>> all{
     {events::Gain{core::GainName::k_tt, 0.025, 0.03}, "gain k_tt 0.025 -> 0.03"},
     {events::Gain{core::GainName::k_xx, 0.025, 0.03, 20.0}, "gain k_xx 0.025 -> 0.03 ramp=20"},
     {events::Schedule{core::GainName::l_tt, 100.0, 50.0}, "schedule l_tt 100 -> 50"},
+    {events::ScheduleTracking{core::TrackingGain::k_theta, 0.5, 0.25}, "schedule k_theta 0.5 -> 0.25"},
     {events::GainHeld{core::GainName::k_yy, 1.0, 0.1 / 3.0}, "gain_held k_yy 1 -> 0.03333333333333333"},
     {events::PairGain{1, 2, core::GainName::k_xx, 0.008, 0.01}, "pair_gain r2 r3 k_xx 0.008 -> 0.01"},
     {events::PairGainHeld{1, 2, core::GainName::k_xx, 1.0, 0.01}, "pair_gain_held r2 r3 k_xx 1 -> 0.01"},

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <random>
 #include <sstream>
 
 #include "app/record/csv_writer.h"
@@ -182,6 +183,132 @@ TEST(Couplings, FixedTrackingGainsAreRefusedWhere18FailsAndKeptOtherwise) {
   // Online they are the limit.
   Desk desk(e);
   EXPECT_THAT(desk.obey(SetGain{GainName::k_xx, 1.0}), StartsWith("gain_held k_xx 1 -> 0.01"));
+}
+
+const std::string varying =
+    "[controller]\npolicy = 'fixed'\nk_x = 0.02\nk_theta = 0.3\ncoupling = 'bounded'\n"
+    "[[gain_change]]\nt = 2\nramp = 4\nk_x = 0.01\nk_theta = [[1, 0.2], [3, 0.4]]\nk_xx = 0.013\n"
+    "[[gain_change]]\nt = 7\nk_x = [[2, 0.025]]\nk_xx = 0.008\n"
+    "[[perturb]]\nt = 1\nrobot = 2\ndy = -0.1\n";
+
+TEST(TrackingGains, FollowTheirCourseInTheFileRobotByRobot) {
+  Experiment e = good("duration = 12\n" + varying);
+  const std::vector<TickRecord> rows = test::simulate(e);
+  const auto at = [&](double t) -> const TickRecord& {
+    return rows[static_cast<std::size_t>(std::lround(t * e.rate))];
+  };
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(at(1.9).robots[i].k_x, 0.02);
+    EXPECT_NEAR(at(4.0).robots[i].k_x, 0.015, 1e-4) << "half of the ramp";
+    EXPECT_DOUBLE_EQ(at(6.5).robots[i].k_x, 0.01);
+    EXPECT_DOUBLE_EQ(at(11.0).robots[i].k_x, i == 1 ? 0.025 : 0.01);
+    EXPECT_DOUBLE_EQ(at(11.0).robots[i].k_theta, i == 0 ? 0.2 : i == 2 ? 0.4 : 0.3);
+  }
+  for (std::size_t k = 1; k < rows.size(); ++k)
+    for (std::size_t i = 0; i < 4; ++i) {
+      const RobotRecord &robot = rows[k].robots[i], &before = rows[k - 1].robots[i];
+      ASSERT_TRUE(robot.margins.hold()) << rows[k].t;
+      ASSERT_LE(std::abs(robot.k_x - before.k_x), 0.015 * 0.04 + 1e-12) << "Theorem 1 wants continuous gains";
+    }
+  std::string events;
+  for (const TickRecord& row : rows) events += describe(row.events) + "; ";
+  EXPECT_THAT(events,
+              HasSubstr("schedule k_xx 0.008 -> 0.013; schedule k_x 0.02 -> 0.01; schedule k_theta 0.3 -> 0.4"));
+  EXPECT_THAT(events, HasSubstr("schedule k_x 0.01 -> 0.025"));
+}
+
+TEST(TrackingGains, OfARobotAreItsOwn) {
+  const std::string four = "[[robot]]\n[[robot]]\nk_x = 0.01\n[[robot]]\nk_theta = 0.1\n[[robot]]\n";
+  const std::string fixed = "[controller]\npolicy = 'fixed'\nk_x = 0.02\nk_theta = 0.3\n";
+  const core::Gains gains = make_gains(good(fixed + four));
+  EXPECT_THAT(gains.k_x, testing::ElementsAre(0.02, 0.01, 0.02, 0.02));
+  EXPECT_THAT(gains.k_theta, testing::ElementsAre(0.3, 0.3, 0.1, 0.3));
+  EXPECT_THAT(messages(four), Contains(HasSubstr("robot.2.k_x: found 0.01, allowed: with policy = \"fixed\"")));
+  EXPECT_THAT(messages(fixed + "[[robot]]\n[[robot]]\nk_x = 0.05\n[[robot]]\n[[robot]]\n"),
+              Contains(HasSubstr("robot.2.k_x: (18f) fails for robot 2 by 0.024")));
+}
+
+TEST(TrackingGains, ThatTheFileCannotHaveAreNamed) {
+  const std::string fixed = "[controller]\npolicy = 'fixed'\nk_x = 0.02\nk_theta = 0.3\n[[gain_change]]\nt = 3\n";
+  EXPECT_THAT(messages(fixed + "k_x = 0.03"), Contains(HasSubstr("gain_change.1: (18f) fails for robot 1 by 0.004")));
+  EXPECT_THAT(messages(fixed + "k_x = [[4, 0.03]]"),
+              Contains(HasSubstr("gain_change.1: (18f) fails for robot 4 by 0.004")));
+  EXPECT_THAT(messages(fixed + "k_x = 0"),
+              Contains(HasSubstr("gain_change.1.k_x: found 0, allowed: a number above 0")));
+  EXPECT_THAT(
+      messages(fixed + "k_theta = [[5, 0.1]]"),
+      Contains(HasSubstr("gain_change.1.k_theta.1: found [5, 0.1], allowed: [i, value] with a robot from 1 to 4")));
+  EXPECT_THAT(messages(fixed + "k_theta = [[2, 0.1], [2, 0.2]]"),
+              Contains(HasSubstr("gain_change.1.k_theta.2: found robot 2 again, allowed: each robot once")));
+  EXPECT_THAT(messages(fixed + "k_theta = [0.1, 0.2]"), Contains(HasSubstr("gain_change.1.k_theta.1: found 0.1")));
+  EXPECT_THAT(messages("[[gain_change]]\nt = 3\nk_x = 0.02"),
+              Contains(HasSubstr("gain_change.1.k_x: found 0.02, allowed: with policy = \"fixed\"")));
+}
+
+/// The operator may use what the file never takes; the file, what it does not give to tracking at that time.
+TEST(TrackingGains, AreKeptFreeForTheWholeRun) {
+  Desk desk(good("duration = 12\n" + varying));
+  // Robot 2 gets 0.025 from 7 s on: 0.1 - 0.05 - 0.025 = 3 * 0.00833.
+  EXPECT_THAT(desk.obey(SetGain{GainName::k_xx, 1.0}), StartsWith("gain_held k_xx 1 -> 0.00833"));
+  EventList events;
+  desk.couplings.follow_file(2.0, events);
+  EXPECT_THAT(describe(events), testing::Not(HasSubstr("gain_held"))) << "k_x makes room for it";
+  desk.settle();
+  EXPECT_DOUBLE_EQ(desk.gains.k_xx(0, 1), 0.013);
+  desk.couplings.follow_file(7.0, events);
+  desk.settle();  // checks (18) all the way
+  EXPECT_DOUBLE_EQ(desk.gains.k_x[1], 0.025);
+}
+
+/// Every course within (18) keeps (14) with the bounded coupling, whatever the errors.
+TEST(TrackingGains, OfAnyCourseWithin18KeepTheLimits) {
+  std::mt19937_64 random(20101208);
+  const auto part = [&](double low, double high) { return std::uniform_real_distribution(low, high)(random); };
+  double most_v = 0.0, most_omega = 0.0;
+  for (int course = 0; course < 60; ++course) {
+    Experiment e = paper_experiment();
+    e.duration = 6.0;
+    e.controller.policy = core::GainPolicy::fixed;
+    e.controller.coupling = core::Coupling::bounded;
+    e.controller.k_x = part(0.001, 0.026), e.controller.k_theta = part(0.01, 0.4);
+    for (const double t : {1.0, 3.0}) {
+      GainChange change;
+      change.t = t;
+      change.ramp = part(0.1, 2.0);
+      for (int i = 0; i < 4; ++i) {
+        change.tracking[core::TrackingGain::k_x].push_back(part(0.001, 0.026));
+        change.tracking[core::TrackingGain::k_theta].push_back(part(0.01, 0.4));
+      }
+      e.gain_changes.push_back(change);
+    }
+    e.perturbations = {{0.4, 1, part(-0.2, 0.2), part(-0.2, 0.2), part(-3.0, 3.0)}};
+    e.shield.enabled = e.avoidance.enabled = false;
+    for (const TickRecord& row : test::simulate(e))
+      for (const RobotRecord& robot : row.robots) {
+        ASSERT_TRUE(robot.margins.hold()) << course;
+        most_v = std::max(most_v, std::abs(robot.law.v)), most_omega = std::max(most_omega, std::abs(robot.law.omega));
+      }
+  }
+  EXPECT_LE(most_v, 0.1 + 1e-12);
+  EXPECT_LE(most_omega, 1.7 + 1e-12);
+  EXPECT_GT(most_v, 0.07) << "no course added what k_x may add to the reference's 0.05";
+}
+
+TEST(TrackingGains, ThatChangedAreRepeatedFromTheRecord) {
+  const Experiment e = good("duration = 12\n" + varying);
+  std::ostringstream text;
+  CsvWriter writer(text, e);
+  SessionOptions options;
+  options.sinks = {&writer};
+  auto session = Session::open(e, Session::Clock::virtual_, options);
+  ASSERT_TRUE(session) << session.error();
+  (*session)->run([] { return true; });
+  (*session)->close();
+  std::istringstream recorded(text.str());
+  const auto result = replay(recorded, "run.csv");
+  ASSERT_TRUE(result) << result.error();
+  EXPECT_EQ(result->ticks, 300);
+  EXPECT_EQ(result->different, 0) << result->first;
 }
 
 TEST(Couplings, ThatAreChangedDuringARunAreRepeatedFromItsRecord) {
