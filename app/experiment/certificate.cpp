@@ -423,7 +423,9 @@ std::string as_lines(const Certificate& certificate) {
   fmt::format_to(out,
                  "theorem_1_silent: while a robot follows a modified reference, is shielded or limited, with delay and "
                  "sampling{}; the CSV's mode says at which ticks\n",
-                 certificate.theorem.continuous_omega ? "" : ", and k_theta of (36) jumps wherever omega_ref does");
+                 certificate.theorem.continuous_omega || certificate.fixed
+                     ? ""
+                     : ", and k_theta of (36) jumps wherever omega_ref does");
   fmt::format_to(out, "limits_14: {}\n",
                  keeps_limits(certificate.coupling) || !certificate.coupled
                      ? "follow from (18f, g)"

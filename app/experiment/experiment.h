@@ -188,6 +188,15 @@ struct RobotSpec {
   bool runs_away(double now) const noexcept { return truth && truth->runaway && now >= truth->runaway->at; }
   const core::DifferentialDrive& true_drive() const noexcept { return truth ? truth->drive : drive; }
 
+  const std::optional<double>& own(core::TrackingGain name) const noexcept {
+    switch (name) {
+      case core::TrackingGain::k_x:
+        return k_x;
+      case core::TrackingGain::k_theta:
+        break;
+    }
+    return k_theta;
+  }
   /// Real or emulated: bytes go to it.
   bool has_link() const noexcept {
     switch (link) {

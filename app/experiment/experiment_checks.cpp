@@ -205,10 +205,8 @@ void check_fixed(const Experiment& e, const core::ReferenceDemand& demand, const
         "{} fails for robot {} by {:.4g}: {:.6g} - reference {:.6g} - couplings {:.6g} "
         "leaves {:.6g} for {} = {}",
         equation, worst + 1, given - left, wholes[worst], reference, couplings[worst], left, word(name), given);
-    const RobotSpec& robot = e.robots[worst];
-    const bool own = name == core::TrackingGain::k_x ? robot.k_x.has_value() : robot.k_theta.has_value();
-    const std::string key =
-        own ? fmt::format("robot.{}.{}", worst + 1, word(name)) : fmt::format("controller.{}", word(name));
+    const std::string key = e.robots[worst].own(name) ? fmt::format("robot.{}.{}", worst + 1, word(name))
+                                                      : fmt::format("controller.{}", word(name));
     problems.add(place.empty() ? key : place,
                  left > 0.0 ? fmt::format("{}, allowed: up to {:.6g}", said, left)
                             : fmt::format("{}, allowed: a slower reference or smaller couplings", said));

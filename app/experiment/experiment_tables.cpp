@@ -149,10 +149,10 @@ void read_policy(TomlTable& t, const Experiment& e, ControllerSpec& c, Problems&
     t.number(key, *target, above(0.0, 100.0));  // (18a)
   }
   for (std::size_t i = 0; !fixed && known && i < e.robots.size(); ++i) {
-    const RobotSpec& robot = e.robots[i];
-    for (const auto& [key, own] : {std::pair{"k_x", robot.k_x}, std::pair{"k_theta", robot.k_theta}})
-      if (own)
-        problems.add(fmt::format("robot.{}.{}", i + 1, key), fmt::format("found {}, allowed: {}", *own, only_fixed));
+    for (const core::TrackingGain name : core::tracking_names)
+      if (const auto& own = e.robots[i].own(name))
+        problems.add(fmt::format("robot.{}.{}", i + 1, word(name)),
+                     fmt::format("found {}, allowed: {}", *own, only_fixed));
   }
 }
 

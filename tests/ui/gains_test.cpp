@@ -326,6 +326,17 @@ TEST_F(Gains, OfAScheduleThatWasNotAppliedAreNotShownInTheRun) {
       << find<QLabel>("alert")->text().toStdString();
 }
 
+TEST_F(Gains, ThatTheScheduleCannotShowAreNotLostByItsApply) {
+  const auto varying = app::parse_experiment(
+      "[controller]\npolicy = 'fixed'\nk_x = 0.02\nk_theta = 0.3\n[[gain_change]]\nt = 9\nk_x = [[2, 0.01]]\n",
+      "varying.toml");
+  ASSERT_TRUE(varying) << varying.error().front().message();
+  open_and_wait(*varying);
+  find<QTabWidget>("gain_tabs")->setCurrentWidget(find("schedule"));
+  EXPECT_FALSE(find<QPushButton>("schedule_add")->isEnabled());
+  EXPECT_TRUE(find("schedule")->toolTip().contains(QStringLiteral("edit the experiment file")));
+}
+
 TEST_F(Gains, ThatAreTypedIntoATableAndNotTakenAreSaidNotToBe) {
   open_before_start();
   const auto told = [&](QAbstractItemModel* model, int row, int column, const QString& text) {

@@ -169,6 +169,14 @@ TEST(Certificate, LooksAtTrackingGainsOnTheirWay) {
   EXPECT_NEAR(of("t = 10\nramp = 5").robots[0].k_x.value, 0.01, 1e-12);
 }
 
+TEST(Certificate, SaysThatKThetaJumpsOnlyWhereItIsTheRemainder) {
+  constexpr const char* jumps = "k_theta of (36) jumps";
+  EXPECT_NE(as_lines(certify(*parse_experiment("duration = 30", "e.toml"))).find(jumps), std::string::npos);
+  const auto given =
+      parse_experiment("duration = 30\n[controller]\npolicy = 'fixed'\nk_x = 0.02\nk_theta = 0.3", "e.toml");
+  EXPECT_EQ(as_lines(certify(*given)).find(jumps), std::string::npos);
+}
+
 /// k_x that falls and k_x that rises can both make the loop weaker.
 TEST(Certificate, DelayMarginIsTheSmallestThatTheTrackingGainsEverHave) {
   const std::string fixed = "duration = 30\n[controller]\npolicy = 'fixed'\nk_theta = 0.3\nk_x = ";

@@ -42,6 +42,10 @@ TEST(Allocation, TheTickAndItsChannelAllocateNothing) {
   change.t = 1.0;
   change[core::GainName::k_xx] = core::PairTable(4, 0.002);
   change[core::GainName::l_xx] = core::PairTable(4, 150.0);
+  change.tracking[core::TrackingGain::k_x].assign(4, 0.02);
+  experiment.controller.policy = core::GainPolicy::fixed;
+  experiment.controller.k_x = 0.024;
+  experiment.controller.k_theta = 0.4;
   experiment.gain_changes = {change};
   experiment.failure.runaway = FailureSpec::Runaway::ignored;  // these poses follow no commands
   experiment.camera.source = "synthetic";                      // which is bumped in the end
