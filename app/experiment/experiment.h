@@ -188,8 +188,8 @@ struct RobotSpec {
   bool runs_away(double now) const noexcept { return truth && truth->runaway && now >= truth->runaway->at; }
   const core::DifferentialDrive& true_drive() const noexcept { return truth ? truth->drive : drive; }
 
-  const std::optional<double>& own(core::TrackingGain name) const noexcept {
-    switch (name) {
+  const std::optional<double>& own(core::TrackingGain gain) const noexcept {
+    switch (gain) {
       case core::TrackingGain::k_x:
         return k_x;
       case core::TrackingGain::k_theta:
