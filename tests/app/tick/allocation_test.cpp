@@ -42,10 +42,6 @@ TEST(Allocation, TheTickAndItsChannelAllocateNothing) {
   change.t = 1.0;
   change[core::GainName::k_xx] = core::PairTable(4, 0.002);
   change[core::GainName::l_xx] = core::PairTable(4, 150.0);
-  change.tracking[core::TrackingGain::k_x].assign(4, 0.02);
-  experiment.controller.policy = core::GainPolicy::fixed;
-  experiment.controller.k_x = 0.024;
-  experiment.controller.k_theta = 0.4;
   experiment.gain_changes = {change};
   experiment.failure.runaway = FailureSpec::Runaway::ignored;  // these poses follow no commands
   experiment.camera.source = "synthetic";                      // which is bumped in the end
@@ -245,6 +241,33 @@ TEST(Allocation, DetoursDeadlocksAndStagingAllocateNothing) {
     platoon.robots[i].start = core::Pose{-0.3 + 0.2 * static_cast<double>(i), 0.1, 1.0};
   EXPECT_EQ(allocated(platoon, 900, deadlocks, staging_ticks), 0);
   EXPECT_GT(staging_ticks, 0);
+}
+
+TEST(Allocation, TrackingGainsOnTheirWayAllocateNothing) {
+  Experiment experiment = paper_experiment();
+  experiment.controller.policy = core::GainPolicy::fixed;
+  experiment.controller.k_x = 0.024;
+  experiment.controller.k_theta = 0.3;
+  GainChange change;
+  change.t = 1.0;
+  change.tracking[core::TrackingGain::k_x].assign(4, 0.02);
+  experiment.gain_changes = {change};
+  ControlTick tick(experiment);
+  const auto reference = make_reference(experiment);
+  std::vector<core::Measurement> measurements(4);
+  const OperatorCommand start = commands::Start{};
+  const long before = allocations.load();
+  for (int k = 0; k < 100; ++k) {
+    const double now = k / 25.0;
+    for (std::size_t i = 0; i < 4; ++i) measurements[i] = {reference->at(i, now).pose, now};
+    TickInput input;
+    input.now = now;
+    input.measurements = measurements;
+    if (k == 0) input.commands = {&start, 1};
+    tick.step(input);
+  }
+  EXPECT_EQ(allocations.load(), before);
+  EXPECT_DOUBLE_EQ(tick.record().robots[0].k_x, 0.02) << "it never moved";
 }
 
 }  // namespace
