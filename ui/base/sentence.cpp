@@ -45,7 +45,7 @@ QString reason_text(core::NotSeen why) {
     case core::NotSeen::wrong_size:
       return tr("its tag has another size than the calibration says");
     case core::NotSeen::lifted:
-      return tr("it is held up, its tag is nearer to the camera than the others");
+      return tr("its tag looks larger than the others: it is held up, or printed larger");
     case core::NotSeen::tilted:
       return tr("its tag does not lie flat");
     case core::NotSeen::doubled:

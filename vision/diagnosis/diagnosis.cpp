@@ -310,6 +310,7 @@ std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibr
         answer.size > (1.0 + lift_tolerance) * *usual * calibration.tag_size) {
       const double nearer = 1.0 - *usual * calibration.tag_size / answer.size;
       answer.above = nearer * (calibration.world_from_camera->position.z() - calibration.tag_height);
+      answer.printed = answer.size / *usual;
       answer.why = NotSeen::lifted;
     }
     if (times > 1) answer.why = NotSeen::doubled;
@@ -435,10 +436,13 @@ std::string sentence(const TagDiagnosis& d, const Calibration& calibration) {
     }
     case NotSeen::lifted:
       return fmt::format(
-          "tag {} is there, but looks larger than the other tags: it is about {:.0f} mm above them. Is the robot held "
-          "up, "
-          "or its tag on another plate?",
-          d.tag, 1e3 * d.above);
+          "tag {} is there, but looks {:.0f} % larger than the other tags: it is about {:.0f} mm above them, or "
+          "printed with "
+          "an edge of {:.1f} mm instead of {}. Is the robot held up, its tag on another plate, or its sheet scaled by "
+          "the "
+          "printer?",
+          d.tag, 100.0 * (d.printed / calibration.tag_size - 1.0), 1e3 * d.above, 1e3 * d.printed,
+          millimetres(calibration.tag_size));
     case NotSeen::tilted:
       return fmt::format("tag {} is there, but does not lie flat at [tags] height {}", d.tag,
                          millimetres(calibration.tag_height));

@@ -27,7 +27,8 @@ struct TagDiagnosis {
   int tag = 0;
   NotSeen why = NotSeen::not_found;
   std::vector<Eigen::Vector2d> places{};  // of its middle in the world, as far as it was found [m]
-  double above = 0.0;                     // of lifted: height above the others [m]
+  double above = 0.0;                     // of lifted: height above the others, if it is printed as they are [m]
+  double printed = 0.0;                   // of lifted: its edge, if it lies no higher than they do [m]
   double size = 0.0;                      // its edge on the plane of the tags [m]; 0: it was not found
   double edge_px = 0.0;                   // its edge, or what it would have [px]
   double contrast = 0.0;                  // between its ink and its paper [grey levels]; 0: it was not found

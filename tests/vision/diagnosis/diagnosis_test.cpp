@@ -95,12 +95,23 @@ TEST(Diagnosis, ARobotThatIsHeldUp) {
   const TagDiagnosis found = lab.diagnosis();
   EXPECT_EQ(found.why, NotSeen::lifted);
   EXPECT_NEAR(found.above, 0.04, 0.012);
-  EXPECT_NE(lab.said().find("mm above them. Is the robot held up"), std::string::npos) << lab.said();
+  EXPECT_NE(lab.said().find("mm above them, or printed"), std::string::npos) << lab.said();
   // Controls: on the floor it is not, and nobody knows where there is nothing to compare it with.
   lab.show({{3, {0.3, -0.2, 0.4}, 0.06}, {1, {-0.4, 0.3, 1.0}, 0.06}, {2, {-0.2, -0.5, 2.0}, 0.06}});
   EXPECT_NE(lab.diagnosis().why, NotSeen::lifted);
   lab.show({lifted});
   EXPECT_NE(lab.diagnosis().why, NotSeen::lifted);
+}
+
+/// Printers scale: one picture cannot tell such a tag from one that is nearer to the camera, so that both are said.
+TEST(Diagnosis, ATagThatIsPrintedLargerThanTheOthers) {
+  DiagnosisLab lab;
+  lab.show({{3, {0.3, -0.2, 0.4}, 0.0621}, {1, {-0.4, 0.3, 1.0}, 0.06}, {2, {-0.2, -0.5, 2.0}, 0.06}});
+  const TagDiagnosis found = lab.diagnosis();
+  ASSERT_EQ(found.why, NotSeen::lifted) << lab.said();
+  EXPECT_NEAR(found.printed, 0.0621, 0.0006);
+  EXPECT_NE(lab.said().find("or printed with an edge of 62."), std::string::npos) << lab.said();
+  EXPECT_NE(lab.said().find("instead of 60 mm"), std::string::npos) << lab.said();
 }
 
 TEST(Diagnosis, TwoRobotsWithOneTag) {
