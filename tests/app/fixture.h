@@ -2,13 +2,14 @@
 
 #include <vector>
 
+#include "app/run/operator_command.h"
 #include "app/tick/control_tick.h"
 #include "core/simulation/simulated_robot.h"
 
 namespace skein::test {
 
 /// The rows of a whole run: simulated robots around the tick on a clock of its own, without session, threads or files.
-/// `plant` says what the robots are really made of.
+/// The file's [[operator]] actions are executed. `plant` says what the robots are really made of.
 inline std::vector<app::TickRecord> simulate(const app::Experiment& e, const app::Experiment& plant) {
   const auto reference = app::make_reference(e);
   std::vector<core::SimulatedRobot> robots;
@@ -21,7 +22,8 @@ inline std::vector<app::TickRecord> simulate(const app::Experiment& e, const app
   std::vector<core::Pose> truth(robots.size());
   std::vector<app::TickRecord> rows;
   app::ControlTick tick(e);
-  std::size_t next_perturbation = 0;
+  std::size_t next_perturbation = 0, next_action = 0;
+  std::vector<app::OperatorCommand> commands;
   for (std::int64_t k = 0; k < e.ticks(); ++k) {
     app::TickInput input;
     input.now = static_cast<double>(k) / e.rate;
@@ -38,7 +40,11 @@ inline std::vector<app::TickRecord> simulate(const app::Experiment& e, const app
     }
     input.measurements = measured;
     input.truth = truth;
-    if (k == 0) input.commands = {&start, 1};
+    commands.clear();
+    if (k == 0) commands.push_back(start);
+    for (; next_action < e.actions.size() && e.actions[next_action].t <= input.now + 1e-9; ++next_action)
+      if (const auto command = app::command_of(e.actions[next_action].event)) commands.push_back(*command);
+    input.commands = commands;
     rows.push_back(tick.step(input));
     for (std::size_t i = 0; i < robots.size(); ++i) {
       robots[i].command(rows.back().robots[i].wheels);

@@ -260,6 +260,20 @@ TEST(Route, StopsOnItsWay) {
   }
 }
 
+TEST(Lattice, EndsAtTheEdgesOfTheArena) {
+  constexpr double keep = 0.0435;
+  const Lattice lattice({1.0, 0.75}, keep, 0);
+  EXPECT_DOUBLE_EQ(lattice.room(0.0, 0.0), 0.75 - keep);
+  EXPECT_NEAR(lattice.room(-0.9, 0.1), 0.1 - keep, 1e-12);
+  EXPECT_TRUE(lattice.free(0.0, -0.75 + keep + 1e-9));
+  EXPECT_FALSE(lattice.free(0.0, -0.75 + keep - 1e-9));
+  for (std::size_t v = 0; v < lattice.size(); ++v) {
+    if (!lattice.free(v)) continue;
+    ASSERT_LE(std::abs(lattice.place(v).x), 1.0 - keep + 1e-12);
+    ASSERT_LE(std::abs(lattice.place(v).y), 0.75 - keep + 1e-12);
+  }
+}
+
 TEST(Lattice, SeesADoorNarrowerThanTwoCellsWhereverItIs) {
   for (int k = 0; k < 20; ++k) {
     Scene scene;

@@ -219,6 +219,26 @@ TEST(Verify, NamesWhicheverFileIsDamaged) {
   EXPECT_TRUE(verify_run(run)->holds());
 }
 
+/// Of a file elsewhere, the record does not follow, though its hash be right.
+TEST(Verify, TakesNoFileFromOutsideTheFolder) {
+  const Folder folder;
+  const std::string run = keep(folder, folder / "runs", text);
+  for (const std::string& name : {std::string("../lab.toml"), folder / "lab.toml", std::string("a/../../lab.toml")}) {
+    const std::filesystem::path file = name[0] == '/' ? name : run + "/../lab.toml";
+    std::ofstream(file) << "what another run had";
+    std::filesystem::create_directories(run + "/a");
+    auto edited = read_story(run).value();
+    edited["files"][name] = {{"sha256", sha256_of_file(file.string()).value()}};
+    std::ofstream(run + "/run.json") << edited.dump();
+    const auto found = verify_run(run);
+    ASSERT_TRUE(found);
+    EXPECT_FALSE(holds(*found, "files")) << name;
+    edited["files"].erase(name);
+    std::ofstream(run + "/run.json") << edited.dump();
+    EXPECT_TRUE(holds(*verify_run(run), "files")) << "the control: without it all files are right";
+  }
+}
+
 /// What somebody has written into run.json by hand is no bug of ours.
 TEST(Verify, AnEditedRunJsonIsAFindingWhateverStandsInIt) {
   const Folder folder;

@@ -65,6 +65,36 @@ TEST(PlannedRoutes, RepeatToTheBit) {
       ASSERT_EQ(first[k].robots[i].command, again[k].robots[i].command) << "tick " << k;
 }
 
+/// A hand puts a robot elsewhere while it is on its route, which would lead it back there.
+TEST(PlannedRoutes, BeginWhereAHandHasPutTheRobot) {
+  auto swap = load_experiment(experiments + "antipodal-swap-6.toml");
+  ASSERT_TRUE(swap) << swap.error().front().message();
+  swap->avoidance.kind = core::AvoidanceKind::plan;
+  swap->perturbations = {{6.0, 1, 0.15, 0.10, 0.0}};
+  swap->duration = 12.0;
+  const std::vector<TickRecord> rows = test::simulate(*swap);
+  double away = 0.0;
+  for (const TickRecord& row : rows)
+    if (row.t > 6.5) away = std::fmax(away, core::distance(row.robots[1].truth, row.robots[1].reference.pose));
+  EXPECT_LT(away, 0.03) << "its route begins elsewhere";
+}
+
+/// One that was held is behind its place when it is let go: it drives back on a route at once, before it has begun to
+/// follow its place and must be stopped again.
+TEST(PlannedRoutes, BringARobotBackThatIsLetGo) {
+  const Experiment e = good(
+      "duration = 20\nperturb = []\n[avoidance]\nkind = 'plan'\n[[operator]]\nt = 5\ndoes = 'hold r2'\n"
+      "[[operator]]\nt = 5.6\ndoes = 'release r2'\n");
+  double began = 0.0, ended = 0.0;
+  for (const TickRecord& row : test::simulate(e)) {
+    if (!row.robots[1].is(avoiding)) continue;
+    if (began == 0.0) began = row.t;
+    ended = row.t;
+  }
+  EXPECT_NEAR(began, 5.6, 0.05);
+  EXPECT_LT(ended, 7.0);
+}
+
 /// All stand until they have ways. Whoever keeps its first is not planned any more.
 TEST(PlannedRoutes, AreNotChangedOnTheWayIfTheFileSaysSo) {
   const auto work_on_the_way = [](bool improve) {
