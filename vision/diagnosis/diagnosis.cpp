@@ -310,7 +310,9 @@ std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibr
         answer.size > (1.0 + lift_tolerance) * *usual * calibration.tag_size) {
       const double nearer = 1.0 - *usual * calibration.tag_size / answer.size;
       answer.above = nearer * (calibration.world_from_camera->position.z() - calibration.tag_height);
-      answer.printed = answer.size / *usual;
+      const bool was_seen = std::any_of(missing.begin(), missing.end(),
+                                        [&](const MissingTag& tag) { return tag.tag == answer.tag && tag.last; });
+      if (!was_seen) answer.printed = answer.size / *usual;
       answer.why = NotSeen::lifted;
     }
     if (times > 1) answer.why = NotSeen::doubled;
@@ -434,15 +436,17 @@ std::string sentence(const TagDiagnosis& d, const Calibration& calibration) {
           d.tag, millimetres(edge), 100.0 * std::abs(part), part < 0.0 ? "smaller" : "larger",
           millimetres(calibration.tag_size));
     }
-    case NotSeen::lifted:
+    case NotSeen::lifted: {
+      const std::string seen =
+          fmt::format("tag {} is there, but looks larger than the other tags: it is about {:.0f} mm above them", d.tag,
+                      1e3 * d.above);
+      if (d.printed == 0.0) return seen + ". Is the robot held up, or its tag on another plate?";
       return fmt::format(
-          "tag {} is there, but looks {:.0f} % larger than the other tags: it is about {:.0f} mm above them, or "
-          "printed with "
-          "an edge of {:.1f} mm instead of {}. Is the robot held up, its tag on another plate, or its sheet scaled by "
-          "the "
-          "printer?",
-          d.tag, 100.0 * (d.printed / calibration.tag_size - 1.0), 1e3 * d.above, 1e3 * d.printed,
-          millimetres(calibration.tag_size));
+          "{}, or printed with an edge of {:.1f} mm instead of {}. Is the robot held up, its tag on another plate, or "
+          "its "
+          "sheet scaled by the printer?",
+          seen, 1e3 * d.printed, millimetres(calibration.tag_size));
+    }
     case NotSeen::tilted:
       return fmt::format("tag {} is there, but does not lie flat at [tags] height {}", d.tag,
                          millimetres(calibration.tag_height));

@@ -28,7 +28,7 @@ struct TagDiagnosis {
   NotSeen why = NotSeen::not_found;
   std::vector<Eigen::Vector2d> places{};  // of its middle in the world, as far as it was found [m]
   double above = 0.0;                     // of lifted: height above the others, if it is printed as they are [m]
-  double printed = 0.0;                   // of lifted: its edge, if it lies no higher than they do [m]
+  double printed = 0.0;                   // of lifted: its edge, if it lies no higher; 0: it was seen before [m]
   double size = 0.0;                      // its edge on the plane of the tags [m]; 0: it was not found
   double edge_px = 0.0;                   // its edge, or what it would have [px]
   double contrast = 0.0;                  // between its ink and its paper [grey levels]; 0: it was not found
