@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <functional>
 #include <random>
 #include <sstream>
 
@@ -294,21 +295,34 @@ TEST(TrackingGains, OfAnyCourseWithin18KeepTheLimits) {
   EXPECT_GT(most_v, 0.07) << "no course added what k_x may add to the reference's 0.05";
 }
 
-TEST(TrackingGains, ThatChangedAreRepeatedFromTheRecord) {
-  const Experiment e = good("duration = 12\n" + varying);
+/// The record of a whole run; the fifth time that the operator is asked, he does something.
+std::string record_of(const Experiment& e, const std::function<void(Session&)>& does) {
   std::ostringstream text;
   CsvWriter writer(text, e);
-  SessionOptions options;
-  options.sinks = {&writer};
-  auto session = Session::open(e, Session::Clock::virtual_, options);
-  ASSERT_TRUE(session) << session.error();
-  (*session)->run([] { return true; });
+  auto session = Session::open(e, Session::Clock::virtual_, {.sinks = {&writer}});
+  if (!session) {
+    ADD_FAILURE() << session.error();
+    return {};
+  }
+  int asked = 0;
+  (*session)->run([&] {
+    if (++asked == 5) does(**session);
+    return true;
+  });
   (*session)->close();
-  std::istringstream recorded(text.str());
+  return text.str();
+}
+
+void expect_that_it_repeats(const std::string& record, std::int64_t ticks) {
+  std::istringstream recorded(record);
   const auto result = replay(recorded, "run.csv");
   ASSERT_TRUE(result) << result.error();
-  EXPECT_EQ(result->ticks, 300);
+  EXPECT_EQ(result->ticks, ticks);
   EXPECT_EQ(result->different, 0) << result->first;
+}
+
+TEST(TrackingGains, ThatChangedAreRepeatedFromTheRecord) {
+  expect_that_it_repeats(record_of(good("duration = 12\n" + varying), [](Session&) {}), 300);
 }
 
 TEST(Couplings, ThatAreChangedDuringARunAreRepeatedFromItsRecord) {
@@ -359,26 +373,10 @@ TEST(Couplings, ThatAreChangedDuringARunAreRepeatedFromItsRecord) {
 
 TEST(Couplings, OfTheFileThatWereHeldAreRepeatedFromTheRecord) {
   const Experiment e = good("duration = 16\n[[gain_change]]\nt = 10\nramp = 2\nk_yy = 0.18");
-  std::ostringstream text;
-  CsvWriter writer(text, e);
-  SessionOptions options;
-  options.sinks = {&writer};
-  auto session = Session::open(e, Session::Clock::virtual_, options);
-  ASSERT_TRUE(session) << session.error();
-  int asked = 0;
-  (*session)->run([&] {
-    if (++asked == 5) {
-      EXPECT_TRUE((*session)->set_gain(GainName::k_tt, 1.0, 4.0));
-    }
-    return true;
-  });
-  (*session)->close();
-  EXPECT_THAT(text.str(), HasSubstr("schedule k_yy 0.08 -> 0.18; gain_held k_yy 0.18 -> "));
-  std::istringstream recorded(text.str());
-  const auto result = replay(recorded, "run.csv");
-  ASSERT_TRUE(result) << result.error();
-  EXPECT_EQ(result->ticks, 400);
-  EXPECT_EQ(result->different, 0) << result->first;
+  const std::string record =
+      record_of(e, [](Session& session) { EXPECT_TRUE(session.set_gain(GainName::k_tt, 1.0, 4.0)); });
+  EXPECT_THAT(record, HasSubstr("schedule k_yy 0.08 -> 0.18; gain_held k_yy 0.18 -> "));
+  expect_that_it_repeats(record, 400);
 }
 
 }  // namespace
