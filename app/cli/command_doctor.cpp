@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "app/cli/commands.h"
+#include "app/cli/shell_word.h"
 #include "app/doctor/doctor.h"
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
@@ -18,7 +19,9 @@ void mend(const Machine& machine, const std::vector<Finding>& findings) {
     for (const std::vector<std::string>& command : finding.fix) {
       if (std::find(done_already.begin(), done_already.end(), command) != done_already.end()) continue;
       done_already.push_back(command);
-      print_out(fmt::format("fix   {}: {}\n", finding.what, fmt::join(command, " ")));
+      std::string text;
+      for (const std::string& word : command) text += " " + shell_word_if_needed(word);
+      print_out(fmt::format("fix   {}:{}\n", finding.what, text));
       if (const int status = machine.execute(command); status != 0)
         complain(fmt::format("{}: {} ended with status {}", finding.what, command.front(), status));
     }

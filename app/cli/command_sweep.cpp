@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "app/cli/command_line_studies.h"
+#include "app/cli/shell_word.h"
 #include "app/record/report.h"
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
@@ -29,13 +30,6 @@ bool write_csv(const std::string& path, const Outcomes& outcomes) {
   return static_cast<bool>(file);
 }
 
-/// A word as a shell takes it.
-std::string quoted(const std::string& word) {
-  std::string text = "'";
-  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return text + "'";
-}
-
 /// The options that make the study another one, each behind a blank. `set_word`: how a --set is written.
 std::string words_of(const SweepRequest& request, std::string (*set_word)(const std::string&)) {
   std::string text;
@@ -47,7 +41,7 @@ std::string words_of(const SweepRequest& request, std::string (*set_word)(const 
 
 /// The study as requested, for the commands that repeat a part of it.
 std::string sweep_command(const SweepRequest& request) {
-  return "skein sweep " + quoted(request.file) + words_of(request, quoted);
+  return "skein sweep " + shell_word(request.file) + words_of(request, shell_word);
 }
 
 int print_plan(const SweepRequest& request, const Study& study, unsigned threads) {
@@ -64,9 +58,9 @@ int print_plan(const SweepRequest& request, const Study& study, unsigned threads
 std::string run_command(const Study& study, std::uint64_t seed) {
   const auto changes = variation(study, seed);
   if (!changes) return changes.error();
-  std::string text = "skein run " + quoted(study.experiment);
+  std::string text = "skein run " + shell_word(study.experiment);
   for (const auto* list : {&study.sets, &*changes})
-    for (const std::string& set : *list) text += " --set " + quoted(set);
+    for (const std::string& set : *list) text += " --set " + shell_word(set);
   return text;
 }
 
@@ -124,7 +118,7 @@ int sweep(const SweepRequest& request) {
     if (!merged) return complain(merged.error()), wrong_input;
     for (const auto& [missing, why] : merged->missing)
       complain(fmt::format("part {} of {}: {}: {} --part {}/{} --into {}", missing.index, missing.of, why,
-                           sweep_command(request), missing.index, missing.of, quoted(request.merge)));
+                           sweep_command(request), missing.index, missing.of, shell_word(request.merge)));
     if (!merged->missing.empty()) {
       complain(fmt::format("{} of {} parts are missing: compute them, and merge again", merged->missing.size(),
                            merged->parts));
