@@ -1,4 +1,5 @@
 // STOP, in every way and from every corner.
+#include <QComboBox>
 #include <QDialog>
 #include <QDoubleSpinBox>
 #include <QLineEdit>
@@ -180,7 +181,26 @@ TEST_F(Stop, WithAMenuOpen) {
   ASSERT_TRUE(QTest::qWaitForWindowExposed(menu));
   key(Qt::Key_Escape, menu);
   expect_stopped();
-  menu->close();
+  EXPECT_EQ(QApplication::activePopupWidget(), nullptr) << "it takes the keys that follow";
+}
+
+TEST_F(Stop, ClosesEveryListAndMenuThatIsOpen) {
+  start();
+  auto* menu = window.findChild<QMenuBar*>()->actions().first()->menu();
+  QMenu inner;
+  QComboBox list;
+  list.addItems({QStringLiteral("one"), QStringLiteral("two")});
+  list.show();
+  menu->popup(window.mapToGlobal(QPoint(10, 20)));
+  inner.addAction(QStringLiteral("more"));
+  inner.popup(window.mapToGlobal(QPoint(60, 60)));
+  list.showPopup();
+  ASSERT_NE(QApplication::activePopupWidget(), nullptr);
+  ASSERT_NE(QApplication::activePopupWidget(), &inner) << "the list is in front of the menus";
+  key(Qt::Key_Space, QApplication::activePopupWidget());
+  expect_stopped();
+  EXPECT_EQ(QApplication::activePopupWidget(), nullptr);
+  EXPECT_EQ(list.currentIndex(), 0) << "and chose nothing";
 }
 
 TEST_F(Stop, ByTheButtonWithAMenuOpen) {
@@ -192,7 +212,7 @@ TEST_F(Stop, ByTheButtonWithAMenuOpen) {
   // The window system hands the press to the menu, wherever it is.
   QTest::mousePress(menu, Qt::LeftButton, {}, menu->mapFromGlobal(button->mapToGlobal(button->rect().center())));
   expect_stopped();
-  menu->close();
+  EXPECT_EQ(QApplication::activePopupWidget(), nullptr);
 }
 
 TEST_F(Stop, InTheMiddleOfADrag) {
