@@ -43,8 +43,9 @@ void LinkSession::lost(std::string reason, double now) {
   question_.reset();
   output_.clear();
   moving_allowed_ = false;
+  // A robot that has acknowledged its stop stands without its link too: it was sent no speed since.
+  if (garbled_) stop_acknowledged_ = false;
   garbled_ = false;
-  stop_acknowledged_ = false;  // it may have moved since: another robot may answer next
   reason_ = std::move(reason);
 }
 

@@ -576,6 +576,26 @@ TEST(LinkSession, RecoversFromAnything) {
   });
 }
 
+// Somebody switches robots off after a run: that is no alarm.
+TEST(LinkSession, ARobotThatHadAcknowledgedItsStopStandsAfterItsLinkIsLost) {
+  const auto acknowledged_after_a_loss = [](bool stands_before) {
+    Lab lab;
+    lab.open();
+    lab.command(100, 100);
+    lab.talk();
+    if (stands_before) lab.session.stop(lab.now), lab.talk();
+    EXPECT_EQ(lab.session.stop_acknowledged(), stands_before);
+    lab.session.lost("switched off", lab.now);
+    EXPECT_EQ(lab.session.status(lab.now).stop_acknowledged, lab.session.stop_acknowledged());
+    const bool said = lab.session.stop_acknowledged();
+    lab.session.opened(lab.now);
+    EXPECT_FALSE(lab.session.stop_acknowledged()) << "who answers now has yet to stop";
+    return said;
+  };
+  EXPECT_TRUE(acknowledged_after_a_loss(true));
+  EXPECT_FALSE(acknowledged_after_a_loss(false)) << "the control: it drives on";
+}
+
 // The safety rule itself: an acknowledged stop is a robot that stands, as long as the bytes arrive unchanged.
 TEST(LinkSession, AnAcknowledgedStopIsTrue) {
   test::holds("stop_acknowledged() only while the wheels stand", [] {
@@ -584,7 +604,7 @@ TEST(LinkSession, AnAcknowledgedStopIsTrue) {
     Bytes on_the_way_there, on_the_way_back;
     const int events = *rc::gen::inRange(0, 60);
     for (int i = 0; i < events; ++i) {
-      switch (*rc::gen::inRange(0, 6)) {
+      switch (*rc::gen::inRange(0, 7)) {
         case 0:
           lab.command(*rc::gen::inRange(1, 1200), *rc::gen::inRange(-1200, 0));
           break;
@@ -609,6 +629,18 @@ TEST(LinkSession, AnAcknowledgedStopIsTrue) {
         case 4:
           lab.session.stop(lab.now);
           break;
+        case 5: {  // the link breaks: part of what was on its way arrives; then there is a new one
+          if (!lab.session.open()) {
+            lab.session.opened(lab.now);
+            break;
+          }
+          lab.session.lost("cut", lab.now);
+          const auto count = *rc::gen::inRange<std::size_t>(0, on_the_way_there.size() + 1);
+          lab.robot.receive(std::span(on_the_way_there).first(count), on_the_way_back);
+          on_the_way_there.clear();
+          on_the_way_back.clear();
+          break;
+        }
         default:
           lab.pass(*rc::gen::inRange(0, 250) * 0.001);
       }

@@ -46,22 +46,23 @@ class Display : public Operator {
   QString robot_cell(int robot, RobotsModel::Column column) {
     return find<QAbstractItemView>("robots")->model()->index(robot, column).data().toString();
   }
-  /// One emulated robot behind a serial line, under a camera that shows an empty floor.
+  /// Emulated robots behind serial lines, under a camera that shows an empty floor.
   void start_emulator(int robots = 1) {
     emulator.start(QString::fromStdString(skein::test::program()),
                    {QStringLiteral("emulate"), QStringLiteral("--robots"), QString::number(robots),
                     QStringLiteral("--directory"), dir.path()});
     ASSERT_TRUE(eventually([&] { return QFile::exists(device()); }));
   }
-  QString device() { return dir.filePath(QStringLiteral("robot1")); }
-  app::Experiment one_robot() {
+  QString device(int robot = 1) { return dir.filePath(QStringLiteral("robot%1").arg(robot)); }
+  app::Experiment linked(int robots = 1) {
     QImage floor(1280, 960, QImage::Format_Grayscale8);
     floor.fill(128);
     for (int k = 0; k < 60; ++k) EXPECT_TRUE(floor.save(dir.filePath(QStringLiteral("floor%1.png").arg(k, 3))));
-    auto experiment = app::parse_experiment("[[robot]]\ntag = 1\nlink = \"serial:" + device().toStdString() +
-                                                "\"\n[camera]\nsource = \"images:" + dir.path().toStdString() +
-                                                "\"\ncalibration = \"overhead.toml\"\n",
-                                            "one.toml");
+    QString text;
+    for (int k = 1; k <= robots; ++k)
+      text += QStringLiteral("[[robot]]\ntag = %1\nlink = \"serial:%2\"\n").arg(k).arg(device(k));
+    text += QStringLiteral("[camera]\nsource = \"images:%1\"\ncalibration = \"overhead.toml\"\n").arg(dir.path());
+    auto experiment = app::parse_experiment(text.toStdString(), "linked.toml");
     EXPECT_TRUE(experiment.has_value());
     experiment->directory = skein::test::in_source("resources/cameras");
     return *experiment;
@@ -130,7 +131,7 @@ TEST_F(Display, ASliderThatIsHeldPastItsLimitShowsWhatIsInForceOnceItIsLetGo) {
 
 TEST_F(Display, ARobotWhoseStopNobodyAcknowledgedMayBeDriving) {
   start_emulator();
-  open_and_wait(one_robot());
+  open_and_wait(linked());
   ASSERT_TRUE(eventually([&] { return robot_cell(0, RobotsModel::link) == QStringLiteral("up"); }));
   ASSERT_EQ(::kill(static_cast<pid_t>(emulator.processId()), SIGSTOP), 0);  // it hears nothing any more
   QTest::mouseClick(find<QPushButton>("stop"), Qt::LeftButton);
@@ -150,6 +151,33 @@ TEST_F(Display, ARobotWhoseStopNobodyAcknowledgedMayBeDriving) {
   EXPECT_TRUE(eventually([&] { return robot_cell(0, RobotsModel::mode) != said; })) << "it has acknowledged";
   EXPECT_TRUE(eventually([&] { return !arena().scene().banner.contains(QStringLiteral("MAY BE DRIVING")); }));
   end_emulator();
+}
+
+TEST_F(Display, RobotsThatAreSwitchedOffAfterTheirStopRaiseNoAlarm) {
+  const auto says = [&](const QString& text) { return arena().scene().banner.contains(text); };
+  const auto both_are = [&](const QString& link) {
+    return robot_cell(0, RobotsModel::link).startsWith(link) && robot_cell(1, RobotsModel::link).startsWith(link);
+  };
+  start_emulator(2);
+  open_and_wait(linked(2));
+  ASSERT_TRUE(eventually([&] { return both_are(QStringLiteral("up")); }));
+  ASSERT_EQ(::kill(static_cast<pid_t>(emulator.processId()), SIGSTOP), 0);
+  QTest::mouseClick(find<QPushButton>("stop"), Qt::LeftButton);
+  EXPECT_TRUE(eventually([&] { return says(QStringLiteral("Robots 1, 2 MAY BE DRIVING")); }))
+      << "the control: " << arena().scene().banner.toStdString();
+  EXPECT_TRUE(eventually([&] { return alert().contains(QStringLiteral("robots 1, 2: they may be driving")); }))
+      << alert().toStdString();
+  ASSERT_EQ(::kill(static_cast<pid_t>(emulator.processId()), SIGCONT), 0);
+  ASSERT_TRUE(eventually([&] { return alert().contains(QStringLiteral("All robots have acknowledged")); }))
+      << alert().toStdString();
+  emulator.kill();
+  ASSERT_TRUE(emulator.waitForFinished());
+  ASSERT_TRUE(eventually([&] { return both_are(QStringLiteral("down")); }))
+      << robot_cell(0, RobotsModel::link).toStdString();
+  EXPECT_TRUE(alert().contains(QStringLiteral("All robots have acknowledged"))) << alert().toStdString();
+  EXPECT_FALSE(says(QStringLiteral("MAY BE DRIVING"))) << arena().scene().banner.toStdString();
+  window.close();
+  EXPECT_TRUE(eventually([&] { return !window.isVisible(); }));
 }
 
 TEST_F(Display, RobotsThatAnEarlierRunLeftBehindAreStoppedFromTheWindow) {

@@ -101,8 +101,11 @@ Notice LiveRun::banner() const {
   if (has_failed())
     return failure_ ? Notice{tr("The experiment could not be opened"), Severity::alarm}
                     : Notice{tr("No experiment is open – open one with Ctrl+O")};
-  if (const QString robots = numbers(may_be_driving()); !robots.isEmpty() && stop_is_due())
-    return {tr("Robot %1 MAY BE DRIVING: it has not acknowledged its stop").arg(robots), Severity::alarm};
+  if (const auto robots = may_be_driving(); !robots.empty() && stop_is_due()) {
+    const QString said = robots.size() == 1 ? tr("Robot %1 MAY BE DRIVING: it has not acknowledged its stop")
+                                            : tr("Robots %1 MAY BE DRIVING: they have not acknowledged their stop");
+    return {said.arg(numbers(robots)), Severity::alarm};
+  }
   switch (phase()) {
     case app::Phase::ready:
       return {tr("Ready – start with F5")};
@@ -150,10 +153,14 @@ QString LiveRun::acknowledgements() const {
   const auto& specs = experiment_.robots;
   const bool any_link = std::any_of(specs.begin(), specs.end(), [](const auto& robot) { return robot.has_link(); });
   if (!any_link) return {};
-  const QString robots = numbers(may_be_driving());
-  if (robots.isEmpty()) return tr(". All robots have acknowledged.");
-  return stop_is_due() ? tr(". NOT acknowledged by robot %1: it may be driving!").arg(robots)
-                       : tr(". Waiting for robot %1 to acknowledge.").arg(robots);
+  const auto robots = may_be_driving();
+  if (robots.empty()) return tr(". All robots have acknowledged.");
+  const bool one = robots.size() == 1;
+  const QString said = !stop_is_due() ? one ? tr(". Waiting for robot %1 to acknowledge.")
+                                            : tr(". Waiting for robots %1 to acknowledge.")
+                       : one ? tr(". NOT acknowledged by robot %1: it may be driving!")
+                                      : tr(". NOT acknowledged by robots %1: they may be driving!");
+  return said.arg(numbers(robots));
 }
 
 }  // namespace skein::ui
