@@ -178,11 +178,18 @@ int stop_runs() {
   return status;
 }
 
-int forget_runs() {
-  for (const RunMarker& run : all_markers()) {
+void forget_left_behind(const std::vector<RunMarker>& runs) {
+  for (const RunMarker& run : runs) {
     if (run.alive()) continue;
     ask_run(run.socket(), "forget", hears_within);
     run.dismiss();
+  }
+}
+
+int forget_runs() {
+  const std::vector<RunMarker> runs = bad_ends();
+  forget_left_behind(runs);
+  for (const RunMarker& run : runs) {
     print_out(fmt::format("the run \"{}\" is forgotten:", shown(run.experiment)));
     for (const comms::LinkAddress& robot : run.robots) print_out(" " + comms::to_text(robot));
     print_out("\n");

@@ -22,6 +22,9 @@ StoppedRun stop_run(const RunMarker& run);
 /// robots are known to stand. True: all of them.
 bool stop_left_behind(const std::vector<RunMarker>& runs);
 
+/// For a user who has seen that their robots stand: ends the guards of these runs, which keep trying, and forgets them.
+void forget_left_behind(const std::vector<RunMarker>& runs);
+
 /// `skein stop`: sends STOP to every active run of this user and to every guard, at once; prints the results for their
 /// robots. Returns an exit status.
 int stop_runs();

@@ -190,10 +190,30 @@ TEST_F(Display, RobotsThatAnEarlierRunLeftBehindAreStoppedFromTheWindow) {
   auto* bar = find("left_behind");
   ASSERT_TRUE(eventually([&] { return bar->isVisible(); })) << "nothing is said of robots that may be driving";
   EXPECT_TRUE(find<QLabel>("left_behind_text")->text().contains(QStringLiteral("lab")));
+  EXPECT_TRUE(eventually([&] { return alert() == QStringLiteral("Robots of an earlier run may be driving"); }))
+      << alert().toStdString();
   QTest::mouseClick(find<QPushButton>("stop_left_behind"), Qt::LeftButton);
   EXPECT_TRUE(eventually([&] { return !bar->isVisible(); })) << find<QLabel>("left_behind_text")->text().toStdString();
   EXPECT_FALSE(QFile::exists(dir.filePath(QStringLiteral("state/skein/run-999999"))));
   end_emulator();
+}
+
+// Their batteries are empty, or they were taken away: no stop will ever be acknowledged.
+TEST_F(Display, RobotsLeftBehindThatDoNotAnswerAreForgottenByTheOperator) {
+  const EnvironmentVariable state_home("XDG_STATE_HOME", dir.filePath(QStringLiteral("state")).toUtf8());
+  ASSERT_TRUE(QDir(dir.path()).mkpath(QStringLiteral("state/skein")));
+  std::ofstream(dir.filePath(QStringLiteral("state/skein/run-999999")).toStdString())
+      << "skein run lab\nserial:" << device().toStdString() << "\n";
+  open_and_wait();
+  auto* forget = find<QPushButton>("forget_left_behind");
+  ASSERT_TRUE(eventually([&] { return find("left_behind")->isVisible(); }));
+  EXPECT_FALSE(forget->isVisible()) << "before a stop was tried";
+  QTest::mouseClick(find<QPushButton>("stop_left_behind"), Qt::LeftButton);
+  ASSERT_TRUE(eventually([&] { return forget->isVisible(); }))
+      << find<QLabel>("left_behind_text")->text().toStdString();
+  QTest::mouseClick(forget, Qt::LeftButton);
+  EXPECT_TRUE(eventually([&] { return !find("left_behind")->isVisible(); }));
+  EXPECT_FALSE(QFile::exists(dir.filePath(QStringLiteral("state/skein/run-999999"))));
 }
 
 TEST_F(Display, ARunThatCannotStartIsNotSaidToBeReady) {

@@ -15,7 +15,10 @@ constexpr int refresh_ms = 1000;  // a guard may be stopping the same robots, an
 }  // namespace
 
 LeftBehindBar::LeftBehindBar(QWidget* parent)
-    : QFrame(parent), text_(new QLabel(this)), stop_(new QPushButton(tr("Stop them now"), this)) {
+    : QFrame(parent),
+      text_(new QLabel(this)),
+      stop_(new QPushButton(tr("Stop them now"), this)),
+      forget_(new QPushButton(tr("They stand"), this)) {
   setObjectName(QStringLiteral("left_behind"));
   text_->setObjectName(QStringLiteral("left_behind_text"));
   text_->setTextFormat(Qt::PlainText);
@@ -23,6 +26,11 @@ LeftBehindBar::LeftBehindBar(QWidget* parent)
   stop_->setObjectName(QStringLiteral("stop_left_behind"));
   stop_->setAccessibleName(stop_->text());
   stop_->setToolTip(tr("Connects to each of these robots, and stops it"));
+  forget_->setObjectName(QStringLiteral("forget_left_behind"));
+  forget_->setToolTip(
+      tr("When you have seen that these robots stand or are switched off: ends this message, and the attempts to stop "
+         "them"));
+  forget_->hide();
   const Colours c = colours(palette());
   setStyleSheet(QStringLiteral("#left_behind { background: %1; } #left_behind_text { color: white; font-weight: 600; }")
                     .arg(c.alarm_fill.name()));
@@ -30,7 +38,9 @@ LeftBehindBar::LeftBehindBar(QWidget* parent)
   layout->setContentsMargins(10, 6, 10, 6);
   layout->addWidget(text_, 1);
   layout->addWidget(stop_);
+  layout->addWidget(forget_);
   connect(stop_, &QPushButton::clicked, this, &LeftBehindBar::stop);
+  connect(forget_, &QPushButton::clicked, this, &LeftBehindBar::forget);
   connect(&timer_, &QTimer::timeout, this, &LeftBehindBar::refresh);
   timer_.start(refresh_ms);
   hide();
@@ -51,17 +61,30 @@ void LeftBehindBar::refresh() {
   for (const app::RunMarker& run : app::bad_ends())
     runs << tr("The run \"%1\" ended badly, and its robots may still be driving: %2.")
                 .arg(QString::fromStdString(run.experiment), QString::fromStdString(run.names()));
-  if (failed_ && !runs.isEmpty()) runs << tr("Not all robots have acknowledged the stop: switch those off by hand.");
+  failed_ = failed_ && !runs.isEmpty();
+  if (failed_) runs << tr("Not all robots have acknowledged the stop: switch those off by hand.");
   text_->setText(runs.join(QLatin1Char(' ')));
   stop_->setEnabled(true);
   stop_->setText(tr("Stop them now"));
+  forget_->setVisible(failed_);
+  forget_->setEnabled(true);
   setVisible(!runs.isEmpty());
 }
 
 void LeftBehindBar::stop() {
   stop_->setEnabled(false);
   stop_->setText(tr("Stopping …"));
+  forget_->setEnabled(false);
   stopping_ = std::async(std::launch::async, [] { return app::stop_left_behind(app::bad_ends()); });
+}
+
+void LeftBehindBar::forget() {
+  stop_->setEnabled(false);
+  forget_->setEnabled(false);
+  stopping_ = std::async(std::launch::async, [] {
+    app::forget_left_behind(app::bad_ends());
+    return true;
+  });
 }
 
 }  // namespace skein::ui

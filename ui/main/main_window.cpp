@@ -150,6 +150,7 @@ void MainWindow::build_panels() {
   voice_ = new AlertVoice(this);
   connect(alert_, &AlertStrip::alarmed, voice_, &AlertVoice::say);
   check_list_ = new CheckList;
+  left_behind_ = new LeftBehindBar;
   check_list_->hide();
   pace_ = new QLabel;
   pace_->setObjectName(QStringLiteral("pace"));
@@ -195,10 +196,9 @@ void MainWindow::lay_out() {
   build_menus(menus);
   arena_actions_->build_tool_bar(tools);
   draw_icons();
-  auto* left_behind = new LeftBehindBar;
-  connect(left_behind, &LeftBehindBar::stopped, this,
+  connect(left_behind_, &LeftBehindBar::stopped, this,
           [this] { messages_->note(tr("The robots of the earlier run stand"), Severity::good); });
-  middle_layout->addWidget(left_behind);
+  middle_layout->addWidget(left_behind_);
   middle_layout->addWidget(tools);
   middle_layout->addWidget(check_list_);
   middle_layout->addWidget(arena_, 1);
@@ -729,7 +729,11 @@ void MainWindow::show_state() {
   if (unready) state.words = tr("Not ready");
   if (unready) state.tone = Severity::warning;
   run_bar_->show_state(state);
-  alert_->rest_on(!reading.isEmpty() ? reading : unready || !there ? banner.text : tr("All well"));
+  const QString left_behind = left_behind_->brief();
+  alert_->rest_on(!reading.isEmpty()       ? reading
+                  : unready || !there      ? banner.text
+                  : !left_behind.isEmpty() ? left_behind
+                                           : tr("All well"));
   const bool listed = unready && check_list_->isVisible();  // right above the arena, with the reason
   arena_->set_banner(listed ? QString() : banner.text, banner.severity == Severity::alarm);
   if (const Notice lasting = run.lasting_alert(); !lasting.text.isEmpty()) alert_->hold(lasting.text, lasting.severity);

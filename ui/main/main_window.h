@@ -28,6 +28,7 @@ class CalibrationController;
 class CameraController;
 class CheckController;
 class CheckList;
+class LeftBehindBar;
 class ComparisonController;
 class ConnectController;
 class EditorController;
@@ -152,6 +153,7 @@ class MainWindow final : public QMainWindow {
   ResultPanel* results_;
   AlertStrip* alert_;
   CheckList* check_list_;
+  LeftBehindBar* left_behind_;
   QLabel* pace_;
   QDockWidget *gains_dock_, *plots_dock_, *robots_dock_, *log_dock_, *results_dock_;
   AlertVoice* voice_;
