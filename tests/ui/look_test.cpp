@@ -200,6 +200,29 @@ TEST(FirstWindow, FitsTheScreenAndCutsNothingOff) {
   EXPECT_TRUE(eventually([&] { return !first.isVisible(); }));
 }
 
+/// A laptop that was taken off its larger screen, or a lab's session on another desk.
+TEST(FirstWindow, IsWholeWhereItWasPlacedOnALargerScreen) {
+  settings().clear();
+  const QRect screen = QGuiApplication::primaryScreen()->availableGeometry();
+  for (const QPoint& off : {QPoint(42, 0), QPoint(200, 150), QPoint(-300, -90)}) {
+    MainWindow before;
+    before.show();
+    ASSERT_TRUE(QTest::qWaitForWindowExposed(&before));
+    before.setGeometry(screen.adjusted(30, 30, -30, -30).translated(off));
+    before.close();
+    ASSERT_TRUE(eventually([&] { return !before.isVisible(); }));
+    MainWindow after;
+    after.show();
+    ASSERT_TRUE(QTest::qWaitForWindowExposed(&after));
+    const QRect frame = after.frameGeometry();
+    EXPECT_TRUE(screen.contains(frame)) << frame.left() << ", " << frame.top() << ": " << frame.width() << " x "
+                                        << frame.height() << ", off by " << off.x() << ", " << off.y();
+    after.close();
+    EXPECT_TRUE(eventually([&] { return !after.isVisible(); }));
+  }
+  settings().clear();
+}
+
 double luminance(const QColor& colour) {
   const auto linear = [](double c) { return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4); };
   return 0.2126 * linear(colour.redF()) + 0.7152 * linear(colour.greenF()) + 0.0722 * linear(colour.blueF());

@@ -17,6 +17,14 @@ namespace skein::ui {
 namespace {
 
 constexpr int title_bar = 48, edges = 16;  // what a window manager adds
+constexpr QMargins frame(edges / 2, title_bar - edges / 2, edges / 2, edges / 2);
+
+QRect inside(const QRect& rectangle, const QRect& room) {
+  QRect moved(rectangle.topLeft(), rectangle.size().boundedTo(room.size()));
+  moved.moveLeft(std::clamp(moved.left(), room.left(), room.right() - moved.width() + 1));
+  moved.moveTop(std::clamp(moved.top(), room.top(), room.bottom() - moved.height() + 1));
+  return moved;
+}
 
 }  // namespace
 
@@ -59,6 +67,15 @@ QSize fitting(const QSize& wanted, const QWidget* parent) {
   return screen ? wanted.boundedTo(screen->availableSize() - QSize(edges, title_bar)) : wanted;
 }
 
+void keep_on_screen(QWidget* window) {
+  const QRect there = window->geometry() + frame;
+  const QScreen* under = QGuiApplication::screenAt(there.center());
+  const QScreen* screen = under ? under : QGuiApplication::primaryScreen();
+  if (!screen || window->isMaximized() || window->isFullScreen()) return;
+  const QRect whole = inside(there, screen->availableGeometry());
+  if (whole != there) window->setGeometry(whole - frame);
+}
+
 QRect clear_of(const QRect& dialog, const QRect& button, const QRect& screen) {
   if (!dialog.intersects(button)) return dialog;
   QRect left = screen, below = screen, right = screen, above = screen;
@@ -72,15 +89,11 @@ QRect clear_of(const QRect& dialog, const QRect& button, const QRect& screen) {
   };
   const QRect room =
       std::max({left, below, right, above}, [&](const QRect& a, const QRect& b) { return kept(a) < kept(b); });
-  QRect clear(dialog.topLeft(), dialog.size().boundedTo(room.size()));
-  clear.moveLeft(std::clamp(clear.left(), room.left(), room.right() - clear.width() + 1));
-  clear.moveTop(std::clamp(clear.top(), room.top(), room.bottom() - clear.height() + 1));
-  return clear;
+  return inside(dialog, room);
 }
 
 void keep_clear_of(QWidget* dialog, const QWidget& button) {
   const QWidget& main = *button.window();
-  const QMargins frame(edges / 2, title_bar - edges / 2, edges / 2, edges / 2);
   const bool is_there = dialog->windowHandle() && dialog->windowHandle()->isExposed();
   QRect there = dialog->geometry();
   // Qt puts a dialog that nobody has placed over the middle of its parent.
@@ -118,8 +131,8 @@ MessageDialog::MessageDialog(const QString& name, const QString& title, const QS
   for (document->setTextWidth(width); width < widest && document->size().height() > width;)
     document->setTextWidth(width += step);
   const QMargins margins = layout->contentsMargins();
-  const int frame = 28;  // scroll bar and edges
-  resize(fitting({width + margins.left() + margins.right() + frame,
+  const int bar = 28;  // scroll bar and edges
+  resize(fitting({width + margins.left() + margins.right() + bar,
                   static_cast<int>(document->size().height()) + buttons->sizeHint().height() + 3 * margins.top() + 12},
                  parent));
 }

@@ -38,6 +38,9 @@ void ask_name(QWidget* parent, const QString& name, const QString& title,
 /// The size, limited to the screen that the parent is on: longer contents scroll.
 QSize fitting(const QSize& wanted, const QWidget* parent);
 
+/// Moves a window, and makes it smaller if need be, so that all of it is on one screen: it was placed on another one.
+void keep_on_screen(QWidget* window);
+
 /// A place for a dialog where it hides no part of the button: its own place if possible, otherwise the nearest one with
 /// room; smaller only if there is no room for its full size.
 QRect clear_of(const QRect& dialog, const QRect& button, const QRect& screen);

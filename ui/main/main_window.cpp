@@ -1015,6 +1015,7 @@ void MainWindow::restore_settings() {
   theme_chosen_ = !theme.isEmpty();
   if (stored.contains(QStringLiteral("geometry"))) {
     restoreGeometry(stored.value(QStringLiteral("geometry")).toByteArray());
+    keep_on_screen(this);
     restored_ = restoreState(stored.value(QStringLiteral("layout")).toByteArray(), layout_version);
     if (restored_) stacked_ = stored.value(QStringLiteral("stacked")).toBool();
   }
