@@ -14,6 +14,7 @@
 #include "app/guard/robot_addresses.h"
 #include "app/guard/run_marker.h"
 #include "app/guard/safety_net.h"
+#include "app/guard/stop_socket.h"
 #include "app/guard/stop_run.h"
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
@@ -171,7 +172,7 @@ void look_after_bad_ends() {
       continue;
     }
     any = true;
-    const bool guarded = ask_run(run.socket(), "look", 0.2).reached;
+    const bool guarded = listens(run.socket());
     complain(fmt::format("the run \"{}\" ended badly, and its robots may still be driving: {}{}", run.experiment,
                          run.names(), guarded ? " (its guard keeps trying to stop them)" : ""));
   }

@@ -81,6 +81,28 @@ std::vector<StopResult> parse_results(std::string_view text) {
   return results;
 }
 
+/// A connection to a stop socket.
+class Client {
+ public:
+  explicit Client(const std::string& path)
+      : descriptor_(::socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)) {
+    const auto connect = [&](const sockaddr* address, socklen_t size) { return ::connect(descriptor_, address, size); };
+    // EAGAIN: too many clients are waiting already, and none has been answered.
+    reached_ = descriptor_ >= 0 && (with_address(path, connect) == 0 || errno == EAGAIN);
+  }
+  Client(const Client&) = delete;
+  Client& operator=(const Client&) = delete;
+  ~Client() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+  bool reached() const noexcept { return reached_; }
+  int descriptor() const noexcept { return descriptor_; }
+
+ private:
+  int descriptor_;
+  bool reached_ = false;
+};
+
 }  // namespace
 
 tl::expected<StopSocket, std::string> StopSocket::listen(const std::string& path) {
@@ -139,17 +161,15 @@ void StopSocket::turn(const std::function<void(std::string_view word)>& heard,
   });
 }
 
+bool listens(const std::string& path) {
+  return Client(path).reached();
+}
+
 StopAnswer ask_run(const std::string& path, std::string_view word, double patience) {
   StopAnswer answer;
-  const int descriptor = ::socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-  if (descriptor < 0) return answer;
-  struct Close {
-    int descriptor;
-    ~Close() { ::close(descriptor); }
-  } const close{descriptor};
-  const auto connect = [&](const sockaddr* address, socklen_t size) { return ::connect(descriptor, address, size); };
-  // EAGAIN: too many clients are waiting already, and none has been answered.
-  answer.reached = with_address(path, connect) == 0 || errno == EAGAIN;
+  const Client client(path);
+  const int descriptor = client.descriptor();
+  answer.reached = client.reached();
   if (!answer.reached || !same_user(descriptor, &answer.process)) return answer;
   send_text(descriptor, word);
   std::string text;

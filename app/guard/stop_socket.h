@@ -60,6 +60,9 @@ struct StopAnswer {
   std::optional<std::vector<StopResult>> robots;  ///< empty: it ended before it could report
 };
 
+/// Whether a run or its guard listens at this stop socket; asks it nothing, and waits for no answer.
+bool listens(const std::string& path);
+
 /// Sends `word` to the run with this stop socket. Waits `patience` for the confirmation, then up to 8 s for the robots'
 /// states.
 StopAnswer ask_run(const std::string& path, std::string_view word, double patience);

@@ -330,6 +330,24 @@ TEST_F(DyingProgram, RobotsStopGoesOnUntilTheGuardHasReachedARobot) {
   marker.forget();
 }
 
+// The window would open 5 s later for each such run.
+TEST_F(DyingProgram, TheNextStartDoesNotWaitForAGuardThatKeepsTrying) {
+  RunMarker marker{{}, "gone", {comms::parse_link_address("serial:" + ptys.device(0)).value()}};
+  const auto written = write_marker(marker);
+  ASSERT_TRUE(written) << written.error();
+  ::close(written->lock);
+  auto socket = StopSocket::listen(marker.socket());
+  ASSERT_TRUE(socket) << socket.error();
+  testing::internal::CaptureStderr();
+  look_after_bad_ends();
+  EXPECT_NE(testing::internal::GetCapturedStderr().find("its guard keeps trying"), std::string::npos);
+  int asked = 0;
+  socket->turn([&](std::string_view) { ++asked; }, [] { return std::vector<StopResult>(1); });
+  EXPECT_EQ(asked, 0) << "it waits for an answer";
+  EXPECT_FALSE(socket->waits());
+  marker.forget();
+}
+
 TEST_F(DyingProgram, MarkersHaveNamesThatAreNeverUsedTwice) {
   const std::vector<comms::LinkAddress> robots{comms::parse_link_address("serial:" + ptys.device(0)).value()};
   {
