@@ -52,7 +52,7 @@ TEST_F(Keep, ARunThatEndsHasAFolderThatIsFoundAndVerified) {
   QSignalSpy kept(&live(), &LiveRun::kept);
   start(seconds("duration=2"));
   ASSERT_EQ(folders().size(), 1);
-  EXPECT_TRUE(logged().contains(QStringLiteral("this run is kept in ") + directory_.path())) << logged().toStdString();
+  EXPECT_TRUE(logged().contains(QStringLiteral("This run is kept in ") + directory_.path())) << logged().toStdString();
   ASSERT_TRUE(eventually([&] { return kept.size() == 1; }));
   const QString folder = kept[0][0].toString();
   EXPECT_EQ(state_of(folder), "finished");

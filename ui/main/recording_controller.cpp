@@ -83,7 +83,7 @@ void RecordingController::keep_if_wanted() {
   request.real_time = true;
   const QString problem = live_.keep(request);
   if (!problem.isEmpty()) return messages_.note_unkept(tr("this run is not kept: %1").arg(problem));
-  messages_.note(tr("this run is kept in %1").arg(live_.kept_folder()), Severity::note);
+  messages_.note(tr("This run is kept in %1").arg(live_.kept_folder()), Severity::note);
   if (const auto little = app::little_room(request.directory))
     messages_.note(QString::fromStdString(*little), Severity::warning);
   emit keeping(live_.kept_folder());
