@@ -30,7 +30,7 @@ void LinkSession::opened(double now) {
   owes_reply_ = false;
   garbled_ = false;
   silent_since_ = now;
-  stop_acknowledged_ = false;
+  stop_acknowledged_ = false;  // another robot may answer
   begin();
   send_stop(now);
 }

@@ -62,7 +62,7 @@ TEST_F(Keep, ARunThatEndsHasAFolderThatIsFoundAndVerified) {
   const auto found = app::verify_run(folder.toStdString());
   ASSERT_TRUE(found) << found.error();
   for (const auto& step : found->steps) EXPECT_TRUE(step.holds) << step.what << ": " << step.finding;
-  EXPECT_TRUE(logged().contains(QStringLiteral("kept in ") + folder)) << logged().toStdString();
+  EXPECT_TRUE(logged().contains(QStringLiteral("Kept in ") + folder)) << logged().toStdString();
 
   // What is shown afterwards is a replay: no run of its own.
   window.open_recording(folder + QStringLiteral("/run.csv"));

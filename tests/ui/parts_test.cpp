@@ -188,12 +188,12 @@ TEST(EventLog, BreaksLongNamesOfFiles) {
   log.resize(280, 400);
   log.show();
   const QString folder = QStringLiteral("/home/operator/.local/share/skein/runs/2026-11-22_143133_platoon-loopback");
-  log.note(1.0, QStringLiteral("kept in ") + folder, Severity::good);
+  log.note(1.0, QStringLiteral("Kept in ") + folder, Severity::good);
   const QModelIndex cell = log.model()->index(0, EventModel::event);
   const int room = log.columnWidth(EventModel::event) - 8;
   for (const QString& piece : cell.data().toString().split(QRegularExpression(QStringLiteral("[ \u200b]"))))
     EXPECT_LE(log.fontMetrics().horizontalAdvance(piece), room) << piece.toStdString();
-  EXPECT_EQ(cell.data(Qt::AccessibleTextRole).toString(), QStringLiteral("kept in ") + folder);
+  EXPECT_EQ(cell.data(Qt::AccessibleTextRole).toString(), QStringLiteral("Kept in ") + folder);
   log.selectAll();
   QTest::keyClick(&log, Qt::Key_C, Qt::ControlModifier);
   EXPECT_TRUE(QApplication::clipboard()->text().endsWith(folder)) << "what is copied is the folder's name";
@@ -603,7 +603,7 @@ TEST(AlertStrip, SaysEveryStateThatLastsTheGravestFirst) {
 
 TEST(AlertStrip, SaysAnAnswerToTheOperatorBesideAWarningThatHasJustBeenSaid) {
   AlertStrip strip;
-  const QString warning = QStringLiteral("the window stalled for 1.6 s"),
+  const QString warning = QStringLiteral("The window stalled for 1.6 s"),
                 answer = QStringLiteral("The run is not repeated");
   strip.say(warning, Severity::warning);
   EXPECT_EQ(strip.text(), warning);

@@ -204,7 +204,7 @@ TEST_F(Run, GoesOnUnderAWindowThatHangs) {
   QThread::msleep(1500);  // what a driver, a dialog or a bug may do to the window's thread
   ASSERT_TRUE(eventually([&] { return record().tick >= before + 30; }));
   EXPECT_TRUE(running());
-  EXPECT_TRUE(logged().contains(QStringLiteral("the window stalled")));
+  EXPECT_TRUE(logged().contains(QStringLiteral("The window stalled")));
 }
 
 TEST_F(Run, StopsRobotsWithLinksUnderAWindowThatHangs) {
@@ -231,7 +231,7 @@ TEST_F(Run, StopsRobotsWithLinksWhenTheDisplayStalls) {
   });
   EXPECT_TRUE(eventually([&] { return stopped(); })) << "nobody could have stopped them";
   mend.join();
-  EXPECT_TRUE(eventually([&] { return logged().contains(QStringLiteral("the window stalled")); }));
+  EXPECT_TRUE(eventually([&] { return logged().contains(QStringLiteral("The window stalled")); }));
   EXPECT_TRUE(eventually(
       [&] { return live().failure().value_or(QString()).contains(QStringLiteral("the window has not responded")); }));
 }

@@ -28,7 +28,7 @@ void CalibrationController::calibrate(bool floor) {
                                        messages_.window());
   connect(dialog, &CalibrationDialog::camera_wanted, this, [this, dialog] { take_camera(dialog); });
   connect(dialog, &CalibrationDialog::saved, this,
-          [this](const QString& file) { messages_.note(tr("calibration written to %1").arg(file), Severity::good); });
+          [this](const QString& file) { messages_.note(tr("Calibration written to %1").arg(file), Severity::good); });
   if (floor) dialog->show_floor();
   dialog->show();
 }
@@ -37,7 +37,7 @@ void CalibrationController::take_camera(CalibrationDialog* dialog) {
   const bool has_it = live_.is_open() && live_.experiment().camera.kind() == app::CameraKind::live;
   if (has_it && live_.is_under_way()) return dialog->refuse(tr("The run needs the camera: stop it first"));
   if (has_it) {
-    messages_.note(tr("the experiment is ended: its camera is being calibrated"), Severity::notice);
+    messages_.note(tr("The experiment is ended: its camera is being calibrated"), Severity::notice);
     emit session_ends();
     live_.end();
   }

@@ -137,7 +137,7 @@ void ConnectController::begin(Kind kind) {
   stopped_ = false;
   kind_ = kind;
   if (!needs_links(kind) || !live_.is_open() || !app::has_hardware(live_.experiment())) return start(std::move(task));
-  messages_.note(tr("the experiment lets go of its robots: they are being set up"), Severity::notice);
+  messages_.note(tr("The experiment lets go of its robots: they are being set up"), Severity::notice);
   say(tr("The experiment lets go of its robots; it is opened again when this page is closed …"), Severity::notice);
   borrowed_ = true;
   waiting_ = std::move(task);
@@ -147,7 +147,7 @@ void ConnectController::begin(Kind kind) {
 }
 
 void ConnectController::start(app::SetupTask task) {
-  if (kind_ == Kind::test) messages_.note(tr("robots are tested: they drive"), Severity::warning);
+  if (kind_ == Kind::test) messages_.note(tr("Robots are tested: they drive"), Severity::warning);
   work_ = std::make_unique<app::SetupWork>(std::move(task));
   if (page_) page_->set_working(true);
 }

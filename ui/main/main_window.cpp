@@ -575,7 +575,7 @@ void MainWindow::connect_session() {
   });
   connect(live, &LiveRun::refused, this, [this](const QString& why) { messages_->note(why, Severity::warning); });
   connect(live, &LiveRun::was_away, this, [this](double seconds) {
-    messages_->note(tr("the window stalled for %1 s; the control loop did not").arg(seconds, 0, 'f', 1),
+    messages_->note(tr("The window stalled for %1 s; the control loop did not").arg(seconds, 0, 'f', 1),
                     Severity::warning);
   });
   connect(live, &LiveRun::rows_missed, this, [this](int rows) {

@@ -41,16 +41,16 @@ RecordingController::RecordingController(LiveRun& live, const Messages& messages
   connect(&live_, &LiveRun::starting, this, &RecordingController::keep_if_wanted);
   connect(&live_, &LiveRun::kept, this, [this](const QString& folder, const QString& problem) {
     if (problem.isEmpty())
-      messages_.note(tr("kept in %1").arg(folder), Severity::good);
+      messages_.note(tr("Kept in %1").arg(folder), Severity::good);
     else
-      messages_.note(tr("kept in %1, but incomplete: %2").arg(folder, problem), Severity::warning);
+      messages_.note(tr("Kept in %1, but incomplete: %2").arg(folder, problem), Severity::warning);
   });
   connect(&live_, &LiveRun::keeping_failed, this, [this](const QString& problem) {
     messages_.note_unkept(tr("the kept record of this run ends here, the run goes on: %1").arg(problem));
   });
   connect(&live_, &LiveRun::recorded, this, [this](const QString& file, const QString& problem) {
     if (problem.isEmpty())
-      messages_.note(tr("recorded %1").arg(file), Severity::good);
+      messages_.note(tr("Recorded %1").arg(file), Severity::good);
     else
       messages_.note(problem, Severity::alarm);
   });
@@ -141,7 +141,7 @@ void RecordingController::record_to(const QString& file) {
   records_ = problem.isEmpty();
   live_.set_records_next(records_);
   if (problem.isEmpty())
-    messages_.note(tr("recording to %1").arg(file), Severity::note);
+    messages_.note(tr("Recording to %1").arg(file), Severity::note);
   else
     messages_.problem(tr("The run is not recorded"), problem);
 }
