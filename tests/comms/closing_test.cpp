@@ -126,18 +126,24 @@ TEST(Closing, WaitsForARobotThatIsBeingReachedWhenTimeIsOut) {
   EXPECT_EQ(robot.wheels(), core::WheelSpeeds{});
 }
 
-/// A robot that is not reached in the end is named, and closing ends.
+/// A robot that drives and is not reached in the end is named, and closing ends. One that stood is known to stand.
 TEST(Closing, EndsWhereTheRobotIsNotReached) {
-  TcpEpuck robot(seconds);
-  Gate gate(robot.port());
-  LinkSupervisor links({{LinkKind::tcp, "127.0.0.1", gate.port(), {}, {}}},
-                       {.connect_timeout = 0.3, .command_silence = 0.0, .reconnect_first = 0.01});
-  ASSERT_TRUE(links.start(30.0));
-  gate.shut();
-  ASSERT_TRUE(test::wait_until([&] { return links.status()[0].state == LinkState::connecting; }));
-  const LinkStatus status = links.close(0.05).at(0);
-  EXPECT_EQ(status.state, LinkState::failed);
-  EXPECT_FALSE(status.stop_acknowledged);
+  for (const bool drives : {true, false}) {
+    TcpEpuck robot(seconds);
+    Gate gate(robot.port());
+    LinkSupervisor links({{LinkKind::tcp, "127.0.0.1", gate.port(), {}, {}}},
+                         {.connect_timeout = 0.3, .command_silence = 0.0, .reconnect_first = 0.01});
+    ASSERT_TRUE(links.start(30.0));
+    if (drives) {
+      links.command(0, 300, 300);
+      ASSERT_TRUE(links.wait_acknowledged(30.0));
+    }
+    gate.shut();
+    ASSERT_TRUE(test::wait_until([&] { return links.status()[0].state == LinkState::connecting; }));
+    const LinkStatus status = links.close(0.05).at(0);
+    EXPECT_EQ(status.state, drives ? LinkState::failed : LinkState::closed);
+    EXPECT_EQ(status.stop_acknowledged, !drives);
+  }
 }
 
 /// The first attempt is refused, the later ones wait in vain: why it was refused is what the operator must read.
