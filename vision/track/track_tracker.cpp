@@ -63,6 +63,10 @@ class Explainer {
 
   /// Why all tags look so has been said.
   bool of_all() const { return of_all_; }
+  /// Why this tag has no pose has been said.
+  bool has_told_of(int tag) const {
+    return std::any_of(told_.begin(), told_.end(), [&](const auto& one) { return one.second.first == tag; });
+  }
 
  private:
   struct Answer {
@@ -189,6 +193,12 @@ class Body {
           if (!std::binary_search(summary_.followed.begin(), summary_.followed.end(), tag))
             options_.tell(fmt::format("tag {} came later and was not followed: name it with --tags", tag));
     }
+    if (stills && options_.tell)
+      for (const int tag : options_.tags)
+        if (!std::binary_search(summary_.track.ids.begin(), summary_.track.ids.end(), tag) &&
+            !explainer_.has_told_of(tag))
+          options_.tell(summary_.track.frames == 1 ? fmt::format("no tag {} is in the picture", tag)
+                                                   : fmt::format("tag {} is in none of the pictures", tag));
     const bool none = summary_.track.frames > 0 && summary_.track.detections == 0;
     if (none && !explainer_.of_all() && (!stills || options_.tags.empty()))
       summary_.track.why_no_tag = why_no_tag(last);

@@ -180,6 +180,27 @@ TEST(TrackTracker, PicturesAreSearchedEachByItself) {
   EXPECT_TRUE(lab.told[0].starts_with("b.pgm: tag 6 is there, but its edge is 60 mm")) << lab.told[0];
 }
 
+TEST(TrackTracker, NamesTagsThatNoPictureShows) {
+  FilmLab lab;
+  SyntheticCamera camera(lab.calibration, {}, 2);
+  Frame frame;
+  camera.render(std::vector<SyntheticTag>{{1, {0.2, 0.1, 0.5}}, {6, {-0.6, -0.4, -2.5}, 0.06}}, 0.0, frame);
+  test::write_pgm(lab.folder.file("a.pgm"), frame);
+  const auto told_of = [&](std::vector<int> tags) {
+    lab.told.clear();
+    EXPECT_TRUE(track_with_tracker(lab.options("images:" + lab.folder.path(), std::move(tags))));
+    return lab.told;
+  };
+  EXPECT_EQ(told_of({1, 4}), std::vector<std::string>{"no tag 4 is in the picture"});
+  camera.render(std::vector<SyntheticTag>{{2, {0.6, 0.1, 0.5}}}, 0.0, frame);
+  test::write_pgm(lab.folder.file("b.pgm"), frame);
+  EXPECT_EQ(told_of({1, 2, 4}), std::vector<std::string>{"tag 4 is in none of the pictures"})
+      << "the control: each of the others is in one";
+  const std::vector<std::string> of_six = told_of({6});
+  ASSERT_EQ(of_six.size(), 1U) << "what was said of it is enough";
+  EXPECT_TRUE(of_six[0].starts_with("a.pgm: tag 6 is there, but")) << of_six[0];
+}
+
 TEST(TrackTracker, NeedsAWorldFrame) {
   FilmLab lab;
   lab.calibration.world_from_camera.reset();
