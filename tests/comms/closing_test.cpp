@@ -38,7 +38,7 @@ class Gate {
   explicit Gate(int robot) : robot_(robot), listener_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
     sockaddr_in address = here(0);
     socklen_t size = sizeof address;
-    ::bind(listener_, reinterpret_cast<sockaddr*>(&address), size);
+    (void)::bind(listener_, reinterpret_cast<sockaddr*>(&address), size);
     ::listen(listener_, 0);
     ::getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size);
     port_ = ntohs(address.sin_port);
@@ -65,7 +65,7 @@ class Gate {
     for (bool full = false; !full;) {
       const int guest = ::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
       const sockaddr_in address = here(port_);
-      ::connect(guest, reinterpret_cast<const sockaddr*>(&address), sizeof address);
+      (void)::connect(guest, reinterpret_cast<const sockaddr*>(&address), sizeof address);
       pollfd made{.fd = guest, .events = POLLOUT, .revents = 0};
       full = ::poll(&made, 1, 100) == 0;
       if (full) ::close(guest);
@@ -85,7 +85,7 @@ class Gate {
       if (::poll(&arrival, 1, 10) <= 0) continue;
       const int host = ::accept(listener_, nullptr, nullptr), robot = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
       const sockaddr_in address = here(robot_);
-      ::connect(robot, reinterpret_cast<const sockaddr*>(&address), sizeof address);
+      (void)::connect(robot, reinterpret_cast<const sockaddr*>(&address), sizeof address);
       for (bool whole = true; whole && !shut_;) {
         std::array<pollfd, 2> ends{{{host, POLLIN, 0}, {robot, POLLIN, 0}}};
         if (::poll(ends.data(), ends.size(), 10) <= 0) continue;
@@ -164,7 +164,7 @@ TEST(Reaching, ARefusalIsSaidEvenWhenALaterAttemptRunsOutOfTime) {
   std::vector<int> waiting;
   const auto late = [&] {  // the queue is kept full: the link's own attempts may have a place in it
     const int guest = ::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-    ::connect(guest, reinterpret_cast<const sockaddr*>(&address), sizeof address);
+    (void)::connect(guest, reinterpret_cast<const sockaddr*>(&address), sizeof address);
     waiting.push_back(guest);
     return links.status()[0].reason.find("no connection within 0.2 s") != std::string::npos;
   };
