@@ -370,11 +370,12 @@ TEST_F(Operator, SavesThePlots) {
 TEST_F(Operator, ComesBackToTheSameWindow) {
   start();
   window.set_theme(Theme::dark);
-  window.resize(1400, 900);
+  const QSize size = fitting({1400, 900}, &window);
+  window.resize(size);
   window.close();
   ASSERT_TRUE(eventually([&] { return !window.isVisible(); }));
   MainWindow again;
-  EXPECT_EQ(again.size(), QSize(1400, 900));
+  EXPECT_EQ(again.size(), size);
   EXPECT_EQ(QApplication::palette().color(QPalette::Window), palette(Theme::dark).color(QPalette::Window));
 }
 
