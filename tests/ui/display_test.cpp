@@ -211,9 +211,17 @@ TEST_F(Display, RobotsLeftBehindThatDoNotAnswerAreForgottenByTheOperator) {
   QTest::mouseClick(find<QPushButton>("stop_left_behind"), Qt::LeftButton);
   ASSERT_TRUE(eventually([&] { return forget->isVisible(); }))
       << find<QLabel>("left_behind_text")->text().toStdString();
+  // One that ends badly at this moment: the operator has not seen its name yet.
+  const QString unseen = dir.filePath(QStringLiteral("state/skein/run-999998"));
+  std::ofstream(unseen.toStdString()) << "skein run another\nserial:" << device(2).toStdString() << "\n";
   QTest::mouseClick(forget, Qt::LeftButton);
+  EXPECT_TRUE(eventually([&] { return !QFile::exists(dir.filePath(QStringLiteral("state/skein/run-999999"))); }));
+  EXPECT_TRUE(eventually([&] {
+    const QString text = find<QLabel>("left_behind_text")->text();
+    return text.contains(QStringLiteral("another")) && !text.contains(QStringLiteral("lab"));
+  })) << find<QLabel>("left_behind_text")->text().toStdString();
+  EXPECT_TRUE(QFile::remove(unseen));
   EXPECT_TRUE(eventually([&] { return !find("left_behind")->isVisible(); }));
-  EXPECT_FALSE(QFile::exists(dir.filePath(QStringLiteral("state/skein/run-999999"))));
 }
 
 TEST_F(Display, ARunThatCannotStartIsNotSaidToBeReady) {

@@ -3,7 +3,6 @@
 #include <QHBoxLayout>
 #include <chrono>
 
-#include "app/guard/run_marker.h"
 #include "app/guard/stop_run.h"
 #include "ui/base/palette.h"
 
@@ -58,7 +57,8 @@ void LeftBehindBar::refresh() {
     if (!failed_) emit stopped();
   }
   QStringList runs;
-  for (const app::RunMarker& run : app::bad_ends())
+  shown_ = app::bad_ends();
+  for (const app::RunMarker& run : shown_)
     runs << tr("The run \"%1\" ended badly, and its robots may still be driving: %2.")
                 .arg(QString::fromStdString(run.experiment), QString::fromStdString(run.names()));
   failed_ = failed_ && !runs.isEmpty();
@@ -81,8 +81,8 @@ void LeftBehindBar::stop() {
 void LeftBehindBar::forget() {
   stop_->setEnabled(false);
   forget_->setEnabled(false);
-  stopping_ = std::async(std::launch::async, [] {
-    app::forget_left_behind(app::bad_ends());
+  stopping_ = std::async(std::launch::async, [runs = shown_] {
+    app::forget_left_behind(runs);
     return true;
   });
 }

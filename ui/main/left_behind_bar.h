@@ -7,6 +7,8 @@
 #include <future>
 #include <vector>
 
+#include "app/guard/run_marker.h"
+
 namespace skein::ui {
 
 /// A red bar over the arena as long as robots of an earlier run may be driving, because the run died before they were
@@ -33,6 +35,8 @@ class LeftBehindBar final : public QFrame {
   QPushButton* stop_;
   QPushButton* forget_;
   QTimer timer_;
+  std::vector<app::RunMarker>
+      shown_;  // the runs that the text names: what the operator has seen, and no others, is forgotten
   std::future<bool> stopping_;
   bool failed_ = false;  // the last attempt
 };
