@@ -150,8 +150,8 @@ void MainWindow::build_panels() {
   voice_ = new AlertVoice(this);
   connect(alert_, &AlertStrip::alarmed, voice_, &AlertVoice::say);
   check_list_ = new CheckList;
-  left_behind_ = new LeftBehindBar;
   check_list_->hide();
+  left_behind_ = new LeftBehindBar;
   pace_ = new QLabel;
   pace_->setObjectName(QStringLiteral("pace"));
   pace_->setContentsMargins(8, 0, 8, 0);
@@ -729,11 +729,8 @@ void MainWindow::show_state() {
   if (unready) state.words = tr("Not ready");
   if (unready) state.tone = Severity::warning;
   run_bar_->show_state(state);
-  const QString left_behind = left_behind_->brief();
-  alert_->rest_on(!reading.isEmpty()       ? reading
-                  : unready || !there      ? banner.text
-                  : !left_behind.isEmpty() ? left_behind
-                                           : tr("All well"));
+  const QString left_behind = left_behind_->brief(), well = left_behind.isEmpty() ? tr("All well") : left_behind;
+  alert_->rest_on(!reading.isEmpty() ? reading : unready || !there ? banner.text : well);
   const bool listed = unready && check_list_->isVisible();  // right above the arena, with the reason
   arena_->set_banner(listed ? QString() : banner.text, banner.severity == Severity::alarm);
   if (const Notice lasting = run.lasting_alert(); !lasting.text.isEmpty()) alert_->hold(lasting.text, lasting.severity);

@@ -156,11 +156,11 @@ QString LiveRun::acknowledgements() const {
   const auto robots = may_be_driving();
   if (robots.empty()) return tr(". All robots have acknowledged.");
   const bool one = robots.size() == 1;
-  const QString said = !stop_is_due() ? one ? tr(". Waiting for robot %1 to acknowledge.")
-                                            : tr(". Waiting for robots %1 to acknowledge.")
-                       : one ? tr(". NOT acknowledged by robot %1: it may be driving!")
-                                      : tr(". NOT acknowledged by robots %1: they may be driving!");
-  return said.arg(numbers(robots));
+  const QString waits =
+      one ? tr(". Waiting for robot %1 to acknowledge.") : tr(". Waiting for robots %1 to acknowledge.");
+  const QString overdue = one ? tr(". NOT acknowledged by robot %1: it may be driving!")
+                              : tr(". NOT acknowledged by robots %1: they may be driving!");
+  return (stop_is_due() ? overdue : waits).arg(numbers(robots));
 }
 
 }  // namespace skein::ui

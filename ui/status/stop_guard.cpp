@@ -35,21 +35,20 @@ bool is_in(const QObject* watched, const QWidget* window) {
   return widget ? widget->window() == window : watched == window->windowHandle();
 }
 
-/// Menus and lists that are open would take the keys that follow.
-void close_popups() {
-  QWidget* front = QApplication::activePopupWidget();
-  while (front) {
-    front->close();
-    QWidget* next = QApplication::activePopupWidget();
-    front = next == front ? nullptr : next;
-  }
-}
-
 }  // namespace
 
 StopGuard::StopGuard(Calls calls, QWidget* button, QObject* parent)
     : QObject(parent), calls_(std::move(calls)), button_(button) {
   qApp->installEventFilter(this);
+}
+
+bool StopGuard::stop() {
+  if (!calls_.stop()) return false;
+  while (QWidget* popup = QApplication::activePopupWidget()) {
+    popup->close();
+    if (popup == QApplication::activePopupWidget()) break;  // it does not close
+  }
+  return true;
 }
 
 bool StopGuard::eventFilter(QObject* watched, QEvent* event) {
@@ -61,11 +60,8 @@ bool StopGuard::eventFilter(QObject* watched, QEvent* event) {
     if (key->key() != Qt::Key_Space && key->key() != Qt::Key_Escape) return false;
     const bool closes_something = QApplication::activePopupWidget() || (button_ && !is_in(watched, button_->window()));
     if (key->key() == Qt::Key_Escape && closes_something && calls_.all_stand()) return false;
-    const bool stopped_something = !key->isAutoRepeat() && calls_.stop();  // a key held down stops once
-    if (stopped_something) {
-      close_popups();
-      return true;
-    }
+    const bool stopped_something = !key->isAutoRepeat() && stop();  // a key held down stops once
+    if (stopped_something) return true;
     // Space must not press a button: held down for STOP, it would go on to press whichever has the focus.
     const QWidget* focus = QApplication::focusWidget();
     const bool types = qobject_cast<const QLineEdit*>(focus) || qobject_cast<const QPlainTextEdit*>(focus);
@@ -86,7 +82,7 @@ bool StopGuard::eventFilter(QObject* watched, QEvent* event) {
     // An open menu would take the press only to close itself.
     const auto* press = static_cast<const QMouseEvent*>(event);
     const QPoint where = button_->mapFromGlobal(press->globalPosition().toPoint());
-    if (QApplication::activePopupWidget() && button_->rect().contains(where) && calls_.stop()) close_popups();
+    if (QApplication::activePopupWidget() && button_->rect().contains(where)) stop();
   }
   return false;
 }

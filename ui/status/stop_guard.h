@@ -30,6 +30,9 @@ class StopGuard final : public QObject {
   bool eventFilter(QObject* watched, QEvent* event) override;
 
  private:
+  /// Calls `stop`; where it stopped something, open menus and lists are closed: they would take the keys that follow.
+  bool stop();
+
   Calls calls_;
   QPointer<QWidget> button_;
 };

@@ -65,7 +65,7 @@ class Explainer {
   bool of_all() const { return of_all_; }
   /// Why this tag has no pose has been said.
   bool has_told_of(int tag) const {
-    return std::any_of(told_.begin(), told_.end(), [&](const auto& one) { return one.second.first == tag; });
+    return std::any_of(told_.begin(), told_.end(), [&](const auto& told) { return told.second.first == tag; });
   }
 
  private:
@@ -193,11 +193,11 @@ class Body {
           if (!std::binary_search(summary_.followed.begin(), summary_.followed.end(), tag))
             options_.tell(fmt::format("tag {} came later and was not followed: name it with --tags", tag));
     }
-    if (stills && options_.tell)
-      for (const int tag : options_.tags)
+    if (stills && !options_.tags.empty() && options_.tell)
+      for (const int tag : summary_.followed)
         if (!std::binary_search(summary_.track.ids.begin(), summary_.track.ids.end(), tag) &&
             !explainer_.has_told_of(tag))
-          options_.tell(summary_.track.frames == 1 ? fmt::format("no tag {} is in the picture", tag)
+          options_.tell(summary_.track.frames == 1 ? sentence({.tag = tag}, calibration_)
                                                    : fmt::format("tag {} is in none of the pictures", tag));
     const bool none = summary_.track.frames > 0 && summary_.track.detections == 0;
     if (none && !explainer_.of_all() && (!stills || options_.tags.empty()))

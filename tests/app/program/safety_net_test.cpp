@@ -68,6 +68,14 @@ class DyingProgram : public testing::Test {
     EXPECT_TRUE(eventually([this] { return guards() == 0; })) << "a guard goes on after its robots have been forgotten";
     fs::remove_all(state_);
   }
+  /// The marker of a run that has ended badly; it drove the first robot.
+  RunMarker leave_behind() {
+    RunMarker marker{{}, "gone", {comms::parse_link_address("serial:" + ptys.device(0)).value()}};
+    const auto written = write_marker(marker);
+    EXPECT_TRUE(written) << written.error();
+    if (written) ::close(written->lock);
+    return marker;
+  }
   /// The guards of this test's runs.
   std::vector<pid_t> all_guards() const {
     std::vector<pid_t> all;
@@ -302,10 +310,7 @@ TEST_F(DyingProgram, RobotsStopReachesARunThatIsFrozenWithItsGuard) {
 
 // A guard that says three times that it has not reached a robot.
 TEST_F(DyingProgram, RobotsStopGoesOnUntilTheGuardHasReachedARobot) {
-  RunMarker marker{{}, "gone", {comms::parse_link_address("serial:" + ptys.device(0)).value()}};
-  const auto written = write_marker(marker);
-  ASSERT_TRUE(written) << written.error();
-  ::close(written->lock);
+  const RunMarker marker = leave_behind();
   auto socket = StopSocket::listen(marker.socket());
   ASSERT_TRUE(socket) << socket.error();
   int asked = 0;
@@ -332,10 +337,7 @@ TEST_F(DyingProgram, RobotsStopGoesOnUntilTheGuardHasReachedARobot) {
 
 // The window would open 5 s later for each such run.
 TEST_F(DyingProgram, TheNextStartDoesNotWaitForAGuardThatKeepsTrying) {
-  RunMarker marker{{}, "gone", {comms::parse_link_address("serial:" + ptys.device(0)).value()}};
-  const auto written = write_marker(marker);
-  ASSERT_TRUE(written) << written.error();
-  ::close(written->lock);
+  const RunMarker marker = leave_behind();
   auto socket = StopSocket::listen(marker.socket());
   ASSERT_TRUE(socket) << socket.error();
   testing::internal::CaptureStderr();
