@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <mutex>
 
 #include "vision/aravis/genicam.h"
 
@@ -36,12 +37,8 @@ Range gain_range(ArvCamera* camera, Silence& silence) {
 /// leads there, not through whichever heard the camera first. Other names and addresses as they are.
 std::string address_of(const std::string& name) {
   if (in_addr ip{}; ::inet_pton(AF_INET, name.c_str(), &ip) == 1) return name;
-  arv_update_device_list();
-  for (unsigned i = 0; i < arv_get_n_devices(); ++i) {
-    const char* const id = arv_get_device_id(i);
-    const char* const protocol = arv_get_device_protocol(i);
-    if (id && protocol && name == id && std::string_view(protocol) == "GigEVision") return arv_get_device_address(i);
-  }
+  for (const NetworkCamera& camera : cameras_on_networks())
+    if (camera.name == name && camera.protocol == "GigEVision") return camera.address;
   return name;
 }
 
@@ -127,6 +124,18 @@ bool asked(const ControlSettings& settings, const char* name) {
 }
 
 }  // namespace
+
+std::vector<NetworkCamera> cameras_on_networks() {
+  // The next search frees the texts of the last one, which Aravis hands out without copying them.
+  static std::mutex one_search_at_a_time;
+  const std::lock_guard lock(one_search_at_a_time);
+  arv_update_device_list();
+  std::vector<NetworkCamera> cameras;
+  for (unsigned i = 0; i < arv_get_n_devices(); ++i)
+    cameras.push_back({text(arv_get_device_id(i)), text(arv_get_device_vendor(i)) + " " + text(arv_get_device_model(i)),
+                       text(arv_get_device_address(i)), text(arv_get_device_protocol(i))});
+  return cameras;
+}
 
 Object<ArvCamera> open_named(const std::string& name, Failure& failed) {
   return Object<ArvCamera>(arv_camera_new(address_of(name).c_str(), &failed));

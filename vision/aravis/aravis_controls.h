@@ -8,8 +8,12 @@
 #include "vision/aravis/genicam.h"
 #include "vision/frames/camera_setting.h"
 #include "vision/frames/frame_source.h"
+#include "vision/modules/aravis.h"
 
 namespace skein::vision::detail {
+
+/// Looks for cameras; takes up to a second. From any thread, several at once too.
+std::vector<NetworkCamera> cameras_on_networks();
 
 /// Opens a camera by its name or its network address; null on failure, with the reason in `failed`.
 Object<ArvCamera> open_named(const std::string& name, Failure& failed);

@@ -5,15 +5,6 @@
 namespace skein::vision::detail {
 namespace {
 
-std::vector<NetworkCamera> discover() {
-  arv_update_device_list();
-  std::vector<NetworkCamera> cameras;
-  for (unsigned i = 0; i < arv_get_n_devices(); ++i)
-    cameras.push_back({text(arv_get_device_id(i)), text(arv_get_device_vendor(i)) + " " + text(arv_get_device_model(i)),
-                       text(arv_get_device_address(i)), text(arv_get_device_protocol(i))});
-  return cameras;
-}
-
 std::string no_answer(const std::string& name, const std::string& why) {
   return "aravis:" + name + ": " + why;
 }
@@ -49,6 +40,6 @@ CameraSettings set_and_read(const std::string& name, const ControlSettings& set,
 
 extern "C" __attribute__((visibility("default")))
 const skein::vision::Aravis skein_aravis_4 = {.open = skein::vision::detail::open_camera,
-                                              .discover = skein::vision::detail::discover,
+                                              .discover = skein::vision::detail::cameras_on_networks,
                                               .describe = skein::vision::detail::describe_camera,
                                               .settings = skein::vision::detail::set_and_read};

@@ -73,6 +73,27 @@ TEST(Aravis, FindsCamerasAndSaysWhatTheyCanDo) {
   EXPECT_EQ(lines, expected) << error;
 }
 
+TEST(Aravis, SeveralMayLookForCamerasAtOnce) {
+  test::FakeGige fake;
+  ASSERT_TRUE(fake.running());
+  const auto module = aravis();
+  ASSERT_TRUE(module) << module.error();
+  // So often that one search comes between what another one finds and what it reads of it.
+  constexpr int threads = 4;
+  constexpr int searches = 3;
+  std::atomic<int> found = 0;
+  {
+    std::vector<std::jthread> looking;
+    for (int i = 0; i < threads; ++i)
+      looking.emplace_back([&] {
+        for (int k = 0; k < searches; ++k)
+          for (const NetworkCamera& camera : (*module)->discover())
+            found += camera.name == "Aravis-Fake-SKEIN1" ? 1 : 0;
+      });
+  }
+  EXPECT_EQ(found, threads * searches);
+}
+
 TEST(Aravis, GivesFramesOfTheSizeThatWasAskedFor) {
   test::FakeGige fake;
   ASSERT_TRUE(fake.running());

@@ -8,9 +8,10 @@
 // the exposure it needs 1 to 3 ms until it sends. Of each packet the network loses a part (--lost), and all packets of
 // the first frames (--lose-frames).
 #include <arv.h>
+#include <sys/prctl.h>
 #include <time.h>
-
 #include <unistd.h>
+
 #include <atomic>
 #include <cstdio>
 #include <cstdlib>
@@ -122,6 +123,8 @@ ArvGvFakeCamera* start(const std::string& genicam) {
 }  // namespace
 
 int main(int count, char** words) {
+  // A test that dies leaves nobody behind who holds the port, and the output that its caller reads to the end.
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   bool clock = false;
   double line = 0.0;
   Scene scene;
