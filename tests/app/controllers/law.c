@@ -1,5 +1,5 @@
 /* A controller in C, as its users write it: a library and, with main(), a program. */
-#define _GNU_SOURCE
+#define _GNU_SOURCE /* NOLINT(bugprone-reserved-identifier): the C library's own */
 #define SKEIN_CLIENT
 #include "app/controllers/skein_controller.h"
 
