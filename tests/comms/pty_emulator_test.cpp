@@ -113,7 +113,7 @@ TEST(Emulate, RunsUntilItIsTold) {
     ASSERT_TRUE(line) << line.error().reason;
     EXPECT_EQ(exchange(*line, test::set_and_read({100, 100}), 4).size(), 4u);
   }
-  // Its handler answers in the thread that waits.
+  // emulate() blocks the signal in its thread and waits for it there.
   ::pthread_kill(emulation.native_handle(), SIGTERM);  // NOLINT(bugprone-bad-signal-to-kill-thread)
   emulation.join();
   EXPECT_EQ(status.get_future().get(), 0);

@@ -35,8 +35,7 @@ class LeftBehindBar final : public QFrame {
   QPushButton* stop_;
   QPushButton* forget_;
   QTimer timer_;
-  std::vector<app::RunMarker>
-      shown_;  // the runs that the text names: what the operator has seen, and no others, is forgotten
+  std::vector<app::RunMarker> shown_;  // the runs that the text names: only these are forgotten
   std::future<bool> stopping_;
   bool failed_ = false;  // the last attempt
 };

@@ -37,7 +37,7 @@ Range gain_range(ArvCamera* camera, Silence& silence) {
 /// leads there, not through whichever heard the camera first. Other names and addresses as they are.
 std::string address_of(const std::string& name) {
   if (in_addr ip{}; ::inet_pton(AF_INET, name.c_str(), &ip) == 1) return name;
-  for (const NetworkCamera& camera : cameras_on_networks())
+  for (const NetworkCamera& camera : discover())
     if (camera.name == name && camera.protocol == "GigEVision") return camera.address;
   return name;
 }
@@ -125,10 +125,10 @@ bool asked(const ControlSettings& settings, const char* name) {
 
 }  // namespace
 
-std::vector<NetworkCamera> cameras_on_networks() {
-  // The next search frees the texts of the last one, which Aravis hands out without copying them.
-  static std::mutex one_search_at_a_time;
-  const std::lock_guard lock(one_search_at_a_time);
+std::vector<NetworkCamera> discover() {
+  // Aravis returns pointers into its list of devices, and every search frees the list of the search before.
+  static std::mutex searching;
+  const std::lock_guard lock(searching);
   arv_update_device_list();
   std::vector<NetworkCamera> cameras;
   for (unsigned i = 0; i < arv_get_n_devices(); ++i)

@@ -12,8 +12,8 @@
 
 namespace skein::vision::detail {
 
-/// Looks for cameras; takes up to a second. From any thread, several at once too.
-std::vector<NetworkCamera> cameras_on_networks();
+/// The GigE and USB3 cameras that answer within a second. Thread-safe: searches run one after the other.
+std::vector<NetworkCamera> discover();
 
 /// Opens a camera by its name or its network address; null on failure, with the reason in `failed`.
 Object<ArvCamera> open_named(const std::string& name, Failure& failed);

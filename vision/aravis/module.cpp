@@ -40,6 +40,6 @@ CameraSettings set_and_read(const std::string& name, const ControlSettings& set,
 
 extern "C" __attribute__((visibility("default")))
 const skein::vision::Aravis skein_aravis_4 = {.open = skein::vision::detail::open_camera,
-                                              .discover = skein::vision::detail::cameras_on_networks,
+                                              .discover = skein::vision::detail::discover,
                                               .describe = skein::vision::detail::describe_camera,
                                               .settings = skein::vision::detail::set_and_read};

@@ -78,7 +78,7 @@ TEST(Aravis, SeveralMayLookForCamerasAtOnce) {
   ASSERT_TRUE(fake.running());
   const auto module = aravis();
   ASSERT_TRUE(module) << module.error();
-  // So often that one search comes between what another one finds and what it reads of it.
+  // Enough that one search begins while another one reads what it has found.
   constexpr int threads = 4;
   constexpr int searches = 3;
   std::atomic<int> found = 0;

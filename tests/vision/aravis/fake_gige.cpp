@@ -122,7 +122,7 @@ ArvGvFakeCamera* start(const std::string& genicam) {
 }  // namespace
 
 int main(int count, char** words) {
-  const pid_t test = ::getppid();
+  const pid_t parent = ::getppid();
   bool clock = false;
   double line = 0.0;
   Scene scene;
@@ -153,8 +153,8 @@ int main(int count, char** words) {
   std::fflush(stdout);
 
   double next_pulse = monotonic_now();
-  // A test that dies leaves nobody behind who holds the port, and the output that its caller reads to the end.
-  while (::getppid() == test) {
+  // Exits when the test that started it dies: otherwise it would keep the port, and the output that ctest waits for.
+  while (::getppid() == parent) {
     const guint64 value = GUINT64_TO_BE(own_clock(monotonic_now()));
     arv_fake_camera_write_memory(registers, clock_value, sizeof value, &value);
     guint32 mode = 0;
