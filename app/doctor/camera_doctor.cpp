@@ -11,6 +11,7 @@
 
 #include "app/experiment/toml_places.h"
 #include "vision/diagnosis/camera_examination.h"
+#include "vision/diagnosis/repeat_watch.h"
 #include "vision/sources/open_source.h"
 #include "vision/synthetic/synthetic_camera.h"
 #include "vision/v4l2/camera_controls.h"
@@ -191,8 +192,11 @@ tl::expected<CameraReport, std::string> examine_camera(const CameraCase& wanted)
   std::optional<vision::CameraExamination> examination;
   std::optional<double> first;
   vision::Frame frame;
+  vision::RepeatWatch repeat_watch;
+  std::int64_t frames = 0, repeated = 0;
   int width = 0, height = 0;
   for (;;) {
+    repeat_watch.keep(frame);
     const auto more = (*source)->read(frame);
     if (!more) return tl::unexpected(more.error());
     if (!*more) break;
@@ -206,6 +210,8 @@ tl::expected<CameraReport, std::string> examine_camera(const CameraCase& wanted)
         height = frame.height;
       }
       examination->add(frame);
+      ++frames;
+      repeated += repeat_watch.repeats(frame) ? 1 : 0;
     }
     if (wanted.keep_going && !wanted.keep_going()) break;
   }
@@ -235,6 +241,12 @@ tl::expected<CameraReport, std::string> examine_camera(const CameraCase& wanted)
         {State::note, "passed over",
          fmt::format("{} frames, of those that are missing: newer ones had come", status.passed_over),
          "this machine was too busy to read them: close other programs"});
+  if (repeated > 0 && live)
+    report.findings.push_back(
+        {State::ill, "repeated frames",
+         fmt::format("{} of {} show exactly what the frame before showed; no pose is taken from them", repeated,
+                     frames),
+         "a shorter exposure, more light or a lower --rate; a capture program: look whether its input runs"});
   if (status.damaged > 0)
     report.findings.push_back({State::ill, "damaged frames", fmt::format("{}", status.damaged),
                                "another cable, a port of its own; for GigE jumbo frames and larger receive buffers"});

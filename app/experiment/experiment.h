@@ -245,14 +245,17 @@ struct CameraSpec {
   /// constant rate over `bump_time`, and stays tilted; empty: never. [s]
   std::optional<double> bump_at;
   double bump = 1.0, bump_time = 0.0;
+  double raise = 0.0;  ///< and raised by so much, in the same time [m]
   /// Likewise: from then on its lens loses its focus, over `defocus_time`, until it blurs by `defocus` [s; px; s]
   std::optional<double> defocus_at;
   double defocus = 2.5, defocus_time = 0.0;
   /// Likewise: from then on the first mark of its calibration lies 50 mm farther to the right [s]
   std::optional<double> mark_moved_at;
   std::optional<double> lost_at;  ///< likewise: from then on the synthetic camera delivers nothing [s]
-  double stamps_late = 0.0;       ///< likewise: the synthetic camera's time stamps are late by this much [s]
-  std::vector<CameraSpec> also;   ///< more cameras over the same floor; empty in each of these
+  /// Likewise: from then on, for `freeze_for` (empty: for ever), it delivers the picture that it had then [s; s]
+  std::optional<double> freeze_at, freeze_for;
+  double stamps_late = 0.0;      ///< likewise: the synthetic camera's time stamps are late by this much [s]
+  std::vector<CameraSpec> also;  ///< more cameras over the same floor; empty in each of these
 
   CameraKind kind() const { return camera_kind(source).value_or(CameraKind::absent); }
 };

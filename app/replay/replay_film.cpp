@@ -37,7 +37,7 @@ tl::expected<void, std::string> ReplayFilm::advance(double time, std::span<core:
     missing_ += next_.index - last_index_ - 1;
     last_index_ = next_.index;
     last_at_ = next_.captured_at;
-    update_newest(tracker_.process(next_, elsewhere_of(next_.note)), wanted_, newest);
+    if (next_.note != repeated_note) update_newest(tracker_.process(next_, elsewhere_of(next_.note)), wanted_, newest);
     ++frames_;
     has_next_ = false;
   }

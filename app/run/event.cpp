@@ -109,7 +109,7 @@ void fields(auto& io, one_of<Outside> auto& e) {
 void fields(auto& io, one_of<CameraMoved> auto& e) {
   io.number_of_any('c', e.camera, only_camera);
   io.named("tags", e.tags), io.named("by", e.by), io.named("turn", e.turn);
-  io.optional("marks", e.marks);
+  io.optional("marks", e.marks), io.optional("scale", e.scale);
 }
 
 void fields(auto& io, one_of<CamerasDisagree> auto& e) {
@@ -151,7 +151,7 @@ class Printer {
   }
   void named(std::string_view name, auto value) { append(" {}={}", name, value); }
   void optional(std::string_view name, auto value) {
-    if (value > 0) named(name, value);
+    if (value > 0 || value < 0) named(name, value);
   }
   void change(double from, double to) { append(" {} -> {}", from, to); }
   void bare(auto value) { append(" {}", value); }
@@ -194,7 +194,7 @@ class Reader {
     ok_ = ok_ && good && read(part.substr(name.size() + 1), value);
   }
   void optional(std::string_view name, auto& value) {
-    if (!rest_.empty()) named(name, value);
+    if (rest_.starts_with(name) && rest_.substr(name.size()).starts_with('=')) named(name, value);
   }
   void change(double& from, double& to) {
     bare(from);

@@ -217,8 +217,8 @@ struct Link {  ///< a robot's link has been lost for longer than the bridge time
   LinkState state = LinkState::up;
 };
 inline constexpr std::size_t only_camera = static_cast<std::size_t>(-1);
-/// All visible tags moved by one rigid motion that the robots did not make; or most marks on the floor are not where
-/// they were when the camera was calibrated.
+/// All visible tags moved by one rigid motion that the robots did not make, or look larger or smaller at once; or most
+/// marks on the floor are not where they were when the camera was calibrated.
 struct CameraMoved {
   static constexpr std::string_view word = "camera_moved";
   std::size_t camera = only_camera;  ///< which of several
@@ -226,6 +226,7 @@ struct CameraMoved {
   double by = 0.0;        ///< their mean displacement [m]
   double turn = 0.0;      ///< counter-clockwise [rad]
   std::size_t marks = 0;  ///< marks that have moved; 0: the robots' tags showed it
+  double scale = 0.0;     ///< how much larger the tags look, as a part; 0: they moved
 };
 struct CamerasDisagree {  ///< two cameras see a robot at different places: one of them has been moved
   static constexpr std::string_view word = "cameras_disagree";

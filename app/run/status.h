@@ -40,7 +40,7 @@ struct RobotStatus {
   bool stop_acknowledged = false;  ///< after close()
 };
 
-/// What the marks on the floor show about the cameras that were calibrated with them.
+/// What the marks on the floor show about the cameras that were calibrated with them, and the size of the robots' tags.
 struct MarksStatus {
   bool watched = false;  ///< there are marks that can be looked for
   bool known = true;     ///< whether a camera moved; false: not looked at yet, or too few marks are seen

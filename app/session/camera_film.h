@@ -26,6 +26,8 @@ tl::expected<CameraFilm, std::string> open_film(const std::string& path);
 /// line for Frame::note, and back, to the bit.
 std::string note_of(std::span<const vision::SeenElsewhere> elsewhere);
 std::vector<vision::SeenElsewhere> elsewhere_of(const std::string& note);
+/// Instead of these, of a frame that repeats the last one's picture: the run took no pose from it.
+inline constexpr const char* repeated_note = "repeated";
 
 /// The film of each camera of an experiment: the path itself, and for the others the same with -2, -3... before its
 /// end.

@@ -26,6 +26,7 @@ namespace skein::app {
 namespace {
 
 constexpr double mark_moved_by = 0.05;  // for practice [m]
+constexpr const char* frozen_reason = "it delivers the same picture again and again";
 
 bool ever_seen(const core::Measurement& tag) {
   return tag.captured_at > core::Measurement{}.captured_at;
@@ -207,9 +208,9 @@ std::function<VideoStatus()> CameraRig::end_film() {
   };
 }
 
-void CameraRig::film_frame() {
+void CameraRig::film_frame(std::string note) {
   if (!recorder_ || film_ended_) return;
-  frame_.note = note_of(elsewhere_);
+  frame_.note = std::move(note);
   if (clock_.wall())
     recorder_->offer(frame_);
   else
@@ -241,7 +242,13 @@ vision::SourceStatus CameraRig::camera() const {
     status.reason = why_awaited_;
     return status;
   }
-  return source_ ? source_->status() : vision::SourceStatus{};
+  vision::SourceStatus status = source_ ? source_->status() : vision::SourceStatus{};
+  const std::int64_t freezes = freezes_.load(std::memory_order_acquire);
+  if (freezes == 0) return status;
+  status.outages += freezes;
+  if (frozen_.load(std::memory_order_acquire)) status.up = false;
+  if (status.reason.empty() || !status.up) status.reason = frozen_reason;
+  return status;
 }
 
 void CameraRig::end() {
@@ -284,6 +291,7 @@ void CameraRig::process_frame() {
 /// The only place that knows of camera.latency: film, tracker and tick get the corrected time. Nothing is captured
 /// after it has arrived.
 bool CameraRig::capture() {
+  repeat_watch_.keep(frame_);
   if (!(synthetic_ ? render() : receive())) return false;
   frame_.captured_at = std::min(frame_.captured_at - spec_.latency, seen_.times.arrived_at);
   seen_.times.captured_at = frame_.captured_at;
@@ -328,9 +336,13 @@ bool CameraRig::render() {
     if (!std::isnan(poses_[i].x)) tags_.push_back({experiment_.robots[i].tag, poses_[i], calibration_.tag_size});
   if (spec_.bump_at && now >= *spec_.bump_at) {
     const double since = now - *spec_.bump_at;
-    const double tilt = since < spec_.bump_time ? spec_.bump * since / spec_.bump_time : spec_.bump;
-    if (tilt != tilt_) synthetic_->hang(*vision::tilted(calibration_, tilt).world_from_camera);
-    tilt_ = tilt;
+    const double share = since < spec_.bump_time ? since / spec_.bump_time : 1.0;
+    if (share != bumped_) {
+      vision::CameraPose pose = *vision::tilted(calibration_, share * spec_.bump).world_from_camera;
+      pose.position.z() += share * spec_.raise;
+      synthetic_->hang(pose);
+    }
+    bumped_ = share;
   }
   if (spec_.defocus_at && now >= *spec_.defocus_at) {
     constexpr double step = 0.05;  // the whole floor is blurred anew at each [px]
@@ -342,6 +354,10 @@ bool CameraRig::render() {
     blur_ = blur;
   }
   synthetic_->render(tags_, stamp, frame_);
+  const bool freeze =
+      spec_.freeze_at && now >= *spec_.freeze_at && !(spec_.freeze_for && now >= *spec_.freeze_at + *spec_.freeze_for);
+  if (freeze && !still_.empty()) frame_.grey = still_;
+  if (freeze && still_.empty()) still_ = frame_.grey;
   seen_.times = {stamp, clock_.now(), none, none};
   seen_.times.grey_at = seen_.times.arrived_at;
   return true;
@@ -361,6 +377,14 @@ bool CameraRig::receive() {
   return true;
 }
 
+vision::MissingTag CameraRig::missing_tag(std::size_t robot) const {
+  const core::Measurement& tag = seen_.tags[robot];
+  return {.tag = wanted_[robot],
+          .last = ever_seen(tag) ? std::optional(tag.pose) : std::nullopt,
+          .lifted_from = tracker_.lifted_from(wanted_[robot]),
+          .blur = focus_watch_.out_of_focus()};
+}
+
 void CameraRig::answer_question() {
   const std::lock_guard lock(question_mutex_);
   if (!asked_) return;
@@ -372,8 +396,7 @@ void CameraRig::answer_question() {
     if (tag.captured_at >= frame_.captured_at) continue;
     const double elsewhere = last_sights_->newest(i);
     if (elsewhere > tag.captured_at && elsewhere >= frame_.captured_at - experiment_.estimation.bridge) continue;
-    const bool ever = ever_seen(tag);
-    answer_.missing.push_back({wanted_[i], ever ? std::optional(tag.pose) : std::nullopt});
+    answer_.missing.push_back(missing_tag(i));
   }
   answered_.notify_all();
 }
@@ -428,8 +451,7 @@ void CameraRig::explain_absences() {
     const core::Measurement& tag = seen_.tags[i];
     const bool ever = ever_seen(tag);
     if (tag.captured_at >= now || (!ever && search)) absences_[i].seen(now);
-    if (absences_[i].due(now) && last_sights_->newest(i) <= tag.captured_at)
-      missing_.push_back({wanted_[i], ever ? std::optional(tag.pose) : std::nullopt});
+    if (absences_[i].due(now) && last_sights_->newest(i) <= tag.captured_at) missing_.push_back(missing_tag(i));
   }
   if (missing_.empty() || now < next_absence_) return;
   if (clock_.wall()) {
@@ -507,14 +529,22 @@ void CameraRig::look_at_marks(const vision::Frame& frame) {
   }
 }
 
-/// Whether they are as large and as sharp as they should be.
+/// Whether they are as large and as sharp as they should be, and stay so.
 void CameraRig::watch_tags() {
-  for (const std::string& sentence : {scale_watch_.update(frame_.captured_at, tracker_.stretch()),
-                                      focus_watch_.update(frame_.captured_at, tracker_.blur())}) {
-    if (sentence.empty()) continue;
-    const std::lock_guard lock(absence_mutex_);
-    alarms_.push_back(prefix_ + sentence);
-  }
+  const double now = frame_.captured_at;
+  const std::array sentences = {scale_watch_.update(now, tracker_.stretch()),
+                                scale_watch_.update_change(now, tracker_.scale_change()),
+                                focus_watch_.update(now, tracker_.blur())};
+  const auto& moved = scale_watch_.moved();
+  const std::lock_guard lock(absence_mutex_);
+  for (const std::string& sentence : sentences)
+    if (!sentence.empty()) alarms_.push_back(prefix_ + sentence);
+  if (moved.has_value() == scaled_.has_value()) return;
+  scaled_.reset();
+  if (!moved) return;
+  scaled_ = events::CameraMoved{
+      .camera = experiment_.cameras() == 1 ? events::only_camera : number_, .tags = moved->tags, .scale = moved->by};
+  found_out_.push(*scaled_);
 }
 
 /// What the camera does not do as it was asked to, and how fast its frames come.
@@ -529,7 +559,9 @@ void CameraRig::watch_source() {
 
 MarksStatus CameraRig::marks() const {
   const std::lock_guard lock(absence_mutex_);
-  return marks_;
+  MarksStatus status = marks_;
+  if (!status.moved) status.moved = scaled_;
+  return status;
 }
 
 void CameraRig::explainer(const std::stop_token& stop) {
@@ -561,7 +593,28 @@ std::vector<std::string> CameraRig::alarms() {
   return std::exchange(alarms_, {});
 }
 
+/// The picture is the last one's, with another time stamp: nothing is known of where the robots are now. Films and
+/// pictures may repeat frames, and compressed ones show the same to the bit while nothing moves.
+bool CameraRig::repeats() {
+  if (spec_.kind() == CameraKind::recorded) return false;
+  const bool same = repeat_watch_.repeats(frame_), frozen = repeat_watch_.frozen();
+  if (frozen == frozen_.load(std::memory_order_relaxed)) return same;
+  if (frozen) freezes_.fetch_add(1, std::memory_order_release);
+  frozen_.store(frozen, std::memory_order_release);
+  if (experiment_.cameras() > 1) return same;  // Cameras tells it of each
+  const std::lock_guard lock(absence_mutex_);
+  alarms_.push_back(frozen ? fmt::format("the camera is of no use: {} (a driver that hangs, a capture program whose "
+                                         "input has stopped): robots stand until it changes",
+                                         frozen_reason)
+                           : "the camera delivers new pictures again");
+  return same;
+}
+
 void CameraRig::work_off() {
+  if (repeats()) {
+    const std::lock_guard lock(film_mutex_);
+    return film_frame(repeated_note);
+  }
   elsewhere_.clear();
   for (std::size_t i = 0; i < experiment_.robots.size(); ++i)
     if (const auto pose = last_sights_->elsewhere(number_, i, frame_.captured_at))
@@ -582,7 +635,7 @@ void CameraRig::work_off() {
   [[maybe_unused]] const auto written = ::write(ready_, &one, sizeof one);  // full means rung already
   watch_tags();                                                             // the tick waits for poses, not for these
   watch_source();
-  film_frame();
+  film_frame(note_of(elsewhere_));
   if (!pictures_) return;
   Picture& picture = picture_.draft();
   picture.width = frame_.width;

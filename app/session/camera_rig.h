@@ -28,6 +28,7 @@
 #include "vision/diagnosis/focus_watch.h"
 #include "vision/diagnosis/mark_watch.h"
 #include "vision/diagnosis/rate_watch.h"
+#include "vision/diagnosis/repeat_watch.h"
 #include "vision/diagnosis/scale_watch.h"
 #include "vision/diagnosis/tag_absence.h"
 #include "vision/frames/frame_source.h"
@@ -135,15 +136,17 @@ class CameraRig {
   void poses_at_their_rows(double first_row);
   bool receive();
   void work_off();
+  bool repeats();
   void answer_question();
   void explain_absences();
   void explain(const vision::Frame& frame, std::span<const vision::MissingTag> missing);
   std::size_t robot_of(int tag) const;
+  vision::MissingTag missing_tag(std::size_t robot) const;
   UnseenTag unseen_tag(const vision::Frame& frame, const vision::TagDiagnosis& tag) const;
   void watch_marks();
   void watch_tags();
   void watch_source();
-  void film_frame();
+  void film_frame(std::string note);
   void look_at_marks(const vision::Frame& frame);
   void explainer(const std::stop_token& stop);
 
@@ -160,7 +163,7 @@ class CameraRig {
   std::vector<vision::SeenElsewhere> elsewhere_;  // in this frame
   vision::TagTracker tracker_;
   std::unique_ptr<vision::SyntheticCamera> synthetic_;
-  double tilt_ = 0.0;                             // of the synthetic camera [deg]
+  double bumped_ = 0.0;                           // the share of its bump that the synthetic camera has had
   double blur_ = vision::SceneOptions{}.blur_px;  // likewise
   std::unique_ptr<vision::FrameSource> source_;   // null: synthetic, or not open yet
   std::atomic<bool> awaited_{false};              // a real camera that has not opened yet; then the thread owns source_
@@ -202,6 +205,10 @@ class CameraRig {
   vision::ScaleWatch scale_watch_;
   vision::FocusWatch focus_watch_;
   vision::RateWatch rate_watch_;
+  vision::RepeatWatch repeat_watch_;
+  std::vector<std::uint8_t> still_;       // for practice: the picture that is repeated
+  std::atomic<std::int64_t> freezes_{0};  // times that the picture was frozen
+  std::atomic<bool> frozen_{false};       // it is
   std::set<std::string> told_of_source_;
   int own_looks_ = 0;                    // at the marks, by the camera's thread
   std::atomic<double> next_look_{-1e9};  // at the marks [s]
@@ -212,6 +219,7 @@ class CameraRig {
   std::vector<std::string> alarms_;
   std::vector<UnseenTag> why_lost_;  // by robot
   MarksStatus marks_;
+  std::optional<events::CameraMoved> scaled_;  // all tags look larger or smaller at once
   boost::lockfree::spsc_queue<Event, boost::lockfree::capacity<256>> found_out_;
   std::string reason_;
   std::atomic<bool> failed_{false}, ending_{false};

@@ -245,9 +245,15 @@ std::string camera_moved_sentence(const Experiment& experiment, const events::Ca
                                   std::string_view then) {
   const bool only = moved.camera == events::only_camera;
   const double turned = std::abs(moved.turn) * 180.0 / std::numbers::pi;
+  const std::string which = only ? "the camera" : fmt::format("camera {}", moved.camera + 1);
+  if (moved.scale != 0.0)
+    return fmt::format(
+        "{} moved, or its zoom or focus changed: all {} tags look {:.1f} % {} at once: {}. Poses are wrong until it is "
+        "calibrated again ({}; skein calibrate intrinsics, if it was the zoom)",
+        which, moved.tags, 100.0 * std::abs(moved.scale), moved.scale > 0.0 ? "larger" : "smaller", then,
+        calibrate_floor(experiment, only ? 0 : moved.camera, false));
   return fmt::format(
-      "{} moved (or the floor under it): {}: {}. Poses are wrong until the floor is calibrated again ({})",
-      only ? "the camera" : fmt::format("camera {}", moved.camera + 1),
+      "{} moved (or the floor under it): {}: {}. Poses are wrong until the floor is calibrated again ({})", which,
       moved.marks == 0
           ? fmt::format("all {} tags moved by {:.0f} mm and turned by {:.1f} deg at once", moved.tags, 1e3 * moved.by,
                         turned)

@@ -103,6 +103,13 @@ QString sentence(const app::Event& event) {
           [&](const Couple& e) { return tr("Robots %1 and %2 are coupled again").arg(e.i + 1).arg(e.j + 1); },
           [&](const Uncouple& e) { return tr("Robots %1 and %2 are no longer coupled").arg(e.i + 1).arg(e.j + 1); },
           [&](const CameraMoved& e) {
+            if (e.scale != 0.0)
+              return (e.scale > 0.0 ? tr("The camera moved, or its zoom or focus changed: all %1 tags look %2 % larger "
+                                         "at once. Poses are wrong until the camera is calibrated again")
+                                    : tr("The camera moved, or its zoom or focus changed: all %1 tags look %2 % "
+                                         "smaller at once. Poses are wrong until the camera is calibrated again"))
+                  .arg(e.tags)
+                  .arg(100.0 * std::abs(e.scale), 0, 'f', 1);
             return (e.marks > 0 ? tr("The camera moved, or the floor under it: %1 marks on the floor are %2 mm from "
                                      "where they were. Poses are wrong until the camera is calibrated again")
                                       .arg(e.marks)

@@ -341,6 +341,13 @@ std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibr
     // Where all of the picture is too dark or too bright, a tag that is not accepted lacks light above all.
     if (answer.why == NotSeen::covered && light.saturated > saturated_share) answer.why = NotSeen::too_bright;
     if (answer.why == NotSeen::covered && light.brightest < dark_grey) answer.why = NotSeen::in_shadow;
+    const std::optional<double>& before = missing[i].lifted_from;
+    if (answer.why == NotSeen::covered && before) {
+      answer.change = answer.size / calibration.tag_size - (1.0 + *before);
+      answer.above = answer.change / (1.0 + answer.change) *
+                     (calibration.world_from_camera->position.z() - calibration.tag_height);
+      answer.why = NotSeen::lifted;
+    }
     if (answer.why != NotSeen::not_found) continue;
     answer.edge_px = expected_px;
     const auto& last = missing[i].last;
@@ -355,6 +362,13 @@ std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibr
       answer.why = NotSeen::in_shadow;
     else if (last && near_border(frame, calibration, *last))
       answer.why = NotSeen::at_border;
+  }
+  // Tags of few pixels that are blurred beyond recognition leave few edges that show it: what they showed before does.
+  constexpr double width = 2.5;  // of an edge, for each of the blur's standard deviations
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    if (answers[i].why != NotSeen::not_found || !missing[i].blur) continue;
+    answers[i].why = NotSeen::blurred;
+    answers[i].edge_width = width * *missing[i].blur;
   }
   if (any_not_found(answers))
     if (const auto blur = blur_of(frame))
@@ -437,6 +451,12 @@ std::string sentence(const TagDiagnosis& d, const Calibration& calibration) {
           millimetres(calibration.tag_size));
     }
     case NotSeen::lifted: {
+      if (d.change != 0.0)
+        return fmt::format(
+            "tag {} is there, but looks {:.1f} % {} than a few seconds before: it is about {:.0f} mm {}, or the camera "
+            "or its zoom has moved",
+            d.tag, 100.0 * std::abs(d.change), d.change > 0.0 ? "larger" : "smaller", 1e3 * std::abs(d.above),
+            d.change > 0.0 ? "higher" : "lower");
       const std::string seen =
           fmt::format("tag {} is there, but looks larger than the other tags: it is about {:.0f} mm above them", d.tag,
                       1e3 * d.above);

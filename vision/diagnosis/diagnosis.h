@@ -20,15 +20,18 @@ using core::NotSeen;
 /// A tag that was not reported.
 struct MissingTag {
   int tag = 0;
-  std::optional<core::Pose> last{};  // where it was last seen [m, rad]
+  std::optional<core::Pose> last{};     // where it was last seen [m, rad]
+  std::optional<double> lifted_from{};  // TagTracker::lifted_from
+  std::optional<double> blur{};         // of a lens that is out of focus [px]
 };
 
 struct TagDiagnosis {
   int tag = 0;
   NotSeen why = NotSeen::not_found;
   std::vector<Eigen::Vector2d> places{};  // of its middle in the world, as far as it was found [m]
-  double above = 0.0;                     // of lifted: height above the others, if it is printed as they are [m]
+  double above = 0.0;                     // of lifted: height above the others, or above where it was [m]
   double printed = 0.0;                   // of lifted: its edge, if it lies no higher; 0: it was seen before [m]
+  double change = 0.0;                    // of lifted: how much larger it looks than it did; 0: than the others
   double size = 0.0;                      // its edge on the plane of the tags [m]; 0: it was not found
   double edge_px = 0.0;                   // its edge, or what it would have [px]
   double contrast = 0.0;                  // between its ink and its paper [grey levels]; 0: it was not found

@@ -9,8 +9,9 @@ namespace skein::vision {
 std::string FocusWatch::update(double t, std::optional<double> blur) {
   if (!blur) return {};
   sharpest_ = std::min(sharpest_, *blur);
-  const bool drifted = *blur > sharpest_ + growth;
-  if (!fault_.update(t, drifted || *blur > blurred)) return {};
+  const bool drifted = *blur > sharpest_ + growth, out = drifted || *blur > blurred;
+  out_of_focus_ = out ? blur : std::nullopt;
+  if (!fault_.update(t, out)) return {};
   constexpr const char* remedy =
       "turn the lens's focus and fix it, or set camera.focus, which turns an autofocus off; small tags are lost next";
   return drifted ? fmt::format(

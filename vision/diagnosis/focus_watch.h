@@ -18,12 +18,15 @@ class FocusWatch {
   static constexpr double blurred = 1.4;
 
   /// `blur`: TagTracker::blur at time `t` [s]. Returns a message for the operator, without a full stop, once the lens
-  /// has been out of focus for two seconds, and not again until it has been in focus; otherwise empty.
+  /// has been out of focus for 0.6 s, and not again until it has been in focus; otherwise empty.
   std::string update(double t, std::optional<double> blur);
+  /// How much the lens blurs while it is out of focus [px]; none: it is in focus.
+  const std::optional<double>& out_of_focus() const { return out_of_focus_; }
 
  private:
   double sharpest_ = std::numeric_limits<double>::infinity();
-  LastingFault fault_;
+  LastingFault fault_{0.6};  // [s]
+  std::optional<double> out_of_focus_;
 };
 
 }  // namespace skein::vision

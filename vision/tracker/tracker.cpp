@@ -126,6 +126,16 @@ std::optional<double> TagTracker::blur() const {
   return parts_->usual(&WantedTag::usual_blur);
 }
 
+std::optional<ScaleChange> TagTracker::scale_change() const {
+  return parts_->scale_change;
+}
+
+std::optional<double> TagTracker::lifted_from(int tag) const {
+  for (const WantedTag& wanted : parts_->wanted)
+    if (wanted.tag == tag && wanted.off) return wanted.usual_stretch;
+  return {};
+}
+
 const StageTimes& TagTracker::stage_times() const {
   return parts_->times;
 }
@@ -171,7 +181,7 @@ void TrackerParts::pass(TrackerStage stage, const Frame& frame) {
       audit(frame);
       break;
     case TrackerStage::conclude:
-      compare_shapes();
+      compare_shapes(frame);
       conclude(frame);
       break;
   }
@@ -183,6 +193,7 @@ void TrackerParts::begin(std::span<const SeenElsewhere> elsewhere) {
   for (WantedTag& tag : wanted) {
     tag.found = tag.predicted = tag.ghost = false;
     tag.stretch.reset();
+    tag.off = false;
     const auto seen = std::find_if(elsewhere.begin(), elsewhere.end(),
                                    [&](const SeenElsewhere& other) { return other.tag == tag.tag; });
     tag.elsewhere = seen == elsewhere.end() ? std::nullopt : std::optional(seen->pose);
@@ -298,15 +309,16 @@ void TrackerParts::accept(WantedTag& tag, const Frame& frame, const detail::Fit&
 /// Whether the newest fit shows the tag nearer to the camera, or farther from it, than the seconds before did. What
 /// stays so for long is no hand, and becomes what is usual.
 bool WantedTag::lifted(double tolerance) noexcept {
-  constexpr int remembered = 100, long_enough = 250;  // [frames]
+  constexpr int remembered = 100, of_blur = 25, long_enough = 250;  // [frames]
   const bool off =
       stretches >= enough_stretches && std::abs(*stretch - usual_stretch) > tolerance + deviations * stretch_sigma;
   off_stretch = off ? off_stretch + 1 : 0;
   if (off && off_stretch < long_enough) return true;
+  if (clipped) return false;
   if (off) stretches = 0;
   stretches = std::min(stretches + 1, remembered);
   usual_stretch += (*stretch - usual_stretch) / stretches;
-  usual_blur += (blur_px - usual_blur) / stretches;
+  usual_blur += (blur_px - usual_blur) / std::min(stretches, of_blur);
   return false;
 }
 
@@ -316,13 +328,54 @@ void TrackerParts::reject(std::int64_t& reason) {
   ++counters.rejected;
 }
 
+/// Whether the tag's paper is as bright as the camera can show: its edges then seem to lie inside the ink.
+bool paper_is_clipped(const Frame& frame, const Corners& corners) {
+  constexpr int brightest = 250;
+  constexpr double paper = 4.5 / 4.0;  // half a module outside the black frame, from the middle of the tag
+  Eigen::Vector2d middle(0.0, 0.0);
+  for (const auto& corner : corners) middle += 0.25 * Eigen::Vector2d(corner[0], corner[1]);
+  int bright = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const auto &a = corners[k], &b = corners[(k + 1) % 4];
+    const Eigen::Vector2d side(0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1]));
+    const Eigen::Vector2d at = middle + paper * (side - middle);
+    const int u = static_cast<int>(std::lround(at.x())), v = static_cast<int>(std::lround(at.y()));
+    if (u < 0 || v < 0 || u >= frame.width || v >= frame.height) continue;
+    bright += frame.row(v)[u] >= brightest ? 1 : 0;
+  }
+  return bright >= 2;
+}
+
+/// Whether all tags look larger or smaller at once, by the same part.
+void TrackerParts::compare_scales() {
+  constexpr double agreement = 0.004;
+  const auto tells = [](const WantedTag& tag) {
+    return tag.found && tag.stretch && !tag.clipped && tag.stretches >= WantedTag::enough_stretches;
+  };
+  scale_change.reset();
+  changes.clear();
+  for (const WantedTag& tag : wanted)
+    if (tells(tag)) changes.push_back(*tag.stretch - tag.usual_stretch);
+  if (changes.size() < 2) return;
+  const double by = core::median_of(changes);
+  for (const WantedTag& tag : wanted) {
+    if (!tells(tag)) continue;
+    if (std::abs(*tag.stretch - tag.usual_stretch - by) > agreement + deviations * tag.stretch_sigma) return;
+  }
+  scale_change = {by, changes.size()};
+}
+
 /// A tag that seems larger than all the others is nearer to the camera than they are: it is held up.
-void TrackerParts::compare_shapes() {
+void TrackerParts::compare_shapes(const Frame& frame) {
+  for (WantedTag& tag : wanted)
+    if (tag.found && tag.stretch) tag.clipped = paper_is_clipped(frame, tag.pose.corners);
+  compare_scales();
   stretches.clear();
   for (WantedTag& tag : wanted) {
     if (!tag.found || !tag.stretch) continue;
     stretches.push_back(*tag.stretch);
-    if (!tag.lifted(options.lift_tolerance)) continue;
+    tag.off = tag.lifted(options.lift_tolerance);
+    if (!tag.off) continue;
     tag.found = false;
     reject(counters.lifted);
   }

@@ -7,6 +7,7 @@
 
 #include "vision/calibration/calibration.h"
 #include "vision/frames/frame.h"
+#include "vision/tags/scale_change.h"
 #include "vision/tags/tag_pose.h"
 #include "vision/tracker/tracker_options.h"
 
@@ -35,8 +36,17 @@ class TagTracker {
   /// means over their last 100 fits. None: no tag has 25 fits yet.
   std::optional<double> stretch() const;
 
-  /// How much the camera blurs the tags, across their direction of motion: standard deviation [px], likewise. A lens in
-  /// focus: 0.9, of which 0.5 are the pixels' own.
+  /// By how much all tags that the last frame shows, two or more, look larger than they did in the seconds before: the
+  /// median. None: they do not agree to 0.4 % and their noise, or fewer than two have 25 fits yet. Where one tag is
+  /// lifted they do not agree; where the camera is raised, or its zoom is turned, they do.
+  std::optional<ScaleChange> scale_change() const;
+
+  /// The stretch that a wanted tag has shown for seconds, if it looks so different in the last frame that it was not
+  /// reported (TrackerCounters::lifted).
+  std::optional<double> lifted_from(int tag) const;
+
+  /// How much the camera blurs the tags, across their direction of motion: standard deviation [px], likewise, over 25.
+  /// A lens in focus: 0.9, of which 0.5 are the pixels' own.
   std::optional<double> blur() const;
 
   /// Of the last frame; zeros without TrackerOptions::clock.

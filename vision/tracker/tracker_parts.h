@@ -31,8 +31,8 @@ struct WantedTag {
   double contrast = 0.0;       // between its ink and its paper [grey levels]
   double noise = 0.0;          // of a pixel on it [grey levels]
   double usual_stretch = 0.0;  // of its fits, a moving mean
-  double usual_blur = 0.0;     // likewise [px]
-  int stretches = 0;           // number of fits in both means, limited
+  double usual_blur = 0.0;     // likewise, of fewer [px]
+  int stretches = 0;           // number of fits in the first of these, limited
   int off_stretch = 0;         // frames in a row in which the stretch was unusual
 
   // of this frame
@@ -44,6 +44,8 @@ struct WantedTag {
   std::optional<double> stretch;        // of its fit
   double stretch_sigma = 0.0;
   double blur_px = 0.0;
+  bool clipped = false;  // its paper is as bright as the camera can show
+  bool off = false;      // its stretch is not the usual one: it is not reported
 
   WantedTag(int id, const detail::TagPattern& pattern) : tag(id), model(pattern) {}
   bool missing() const { return !found && !ghost && !elsewhere; }
@@ -78,6 +80,8 @@ struct TrackerParts {
   std::vector<Refuted> refuted;
   std::vector<detail::Gate::Known> known;  // the tags found in this frame
   std::vector<double> stretches;
+  std::vector<double> changes;  // of the stretches in this frame, against the usual ones
+  std::optional<ScaleChange> scale_change;
 
   TrackerParts(Calibration c, TrackerOptions o);
 
@@ -96,7 +100,8 @@ struct TrackerParts {
   };
   Strip audit_strip() const;
   void reject(std::int64_t& reason);
-  void compare_shapes();
+  void compare_shapes(const Frame& frame);
+  void compare_scales();
   void conclude(const Frame& frame);
 
   std::optional<double> usual(double WantedTag::*mean) const;  // the median over those that were seen often enough

@@ -17,6 +17,7 @@ namespace skein::app {
 namespace {
 
 using test::Rows;
+using ::testing::Contains;
 using ::testing::HasSubstr;
 
 constexpr double bump_time = 3.0;
@@ -34,6 +35,7 @@ struct BumpedRun {
     auto session = Session::open(experiment, Session::Clock::virtual_, {false, {&file, &sink}});
     EXPECT_TRUE(session) << session.error();
     end = (*session)->run();
+    told = (*session)->alarms();
     (*session)->close();
     failure = (*session)->failure().value_or("");
   }
@@ -41,6 +43,7 @@ struct BumpedRun {
   std::ostringstream csv;
   Phase end = Phase::ready;
   std::string failure;
+  std::vector<std::string> told;
 };
 
 /// The least and the largest error of a measured pose that was taken from then on. [m]
@@ -77,6 +80,24 @@ TEST(CameraMoved, TheSameRunGoesOnByWrongPosesWhereTheFileSaysSo) {
   const auto [least, most] = errors_from(run, bump_time);
   EXPECT_GT(least, 0.0405);
   EXPECT_LT(most, 0.0425);
+}
+
+TEST(CameraMoved, ACameraThatIsRaisedStopsTheRobotsAndTheOperatorIsToldWhy) {
+  const BumpedRun run(bumped_platoon({"camera.bump=0", "camera.raise=0.05"}));
+  EXPECT_EQ(run.end, Phase::stopped);
+  EXPECT_THAT(run.failure, HasSubstr("all 4 tags look 2."));
+  EXPECT_THAT(run.failure, HasSubstr("% smaller at once: STOP"));
+  EXPECT_EQ(run.sink.count<events::CameraMoved>(), 1);
+  EXPECT_NE(run.csv.str().find("camera_moved tags=4 by=0 turn=0 scale=-0.02"), std::string::npos);
+  ASSERT_FALSE(run.sink.rows.empty());
+  EXPECT_LE(run.sink.rows.back().now, bump_time + 0.3);
+}
+
+TEST(CameraMoved, OneThatSlipsByAFewMillimetresIsToldAndTheRunGoesOn) {
+  const BumpedRun run(bumped_platoon({"camera.bump=0", "camera.raise=-0.016"}));
+  EXPECT_EQ(run.end, Phase::finished);
+  EXPECT_FALSE(run.sink.has<events::CameraMoved>());
+  EXPECT_THAT(run.told, Contains(HasSubstr("larger than a few seconds before: the camera hangs lower")));
 }
 
 TEST(CameraMoved, IsReplayedBitForBit) {

@@ -120,6 +120,20 @@ TEST(Video, ReplaysWithItsLogBitForBit) {
   EXPECT_NE(none.error().find(path.string()), std::string::npos) << none.error();
 }
 
+/// The film says which frames repeated a picture: no pose came from them.
+TEST(Video, OfACameraThatFroze) {
+  const auto path = std::filesystem::temp_directory_path() / ("skein_frozen_" + std::to_string(::getpid()) + ".mkv");
+  const std::string csv =
+      csv_of(short_film_run({"duration=2", "camera.freeze_at=0.5", "camera.freeze_for=0.6"}), path.string());
+  std::istringstream in(csv);
+  const auto result = replay(in, "run.csv", path.string());
+  std::filesystem::remove(path);
+  ASSERT_TRUE(result) << result.error();
+  EXPECT_EQ(result->poses_different, 0) << result->first;
+  EXPECT_EQ(result->different, 0) << result->first;
+  EXPECT_EQ(result->missing_frames, 0);
+}
+
 /// Two cameras that tell each other where robots are, a film each: all poses and commands are the same to the bit. A
 /// film that ends early is named.
 TEST(Video, ReplaysTheFilmsOfTwoCamerasBitForBit) {

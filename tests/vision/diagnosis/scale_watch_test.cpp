@@ -17,6 +17,11 @@ using ::testing::IsEmpty;
 struct DrivingTags {
   Calibration truth = overhead_calibration(2.0, 1.5), believed = truth;
   std::uint64_t seed = 5;
+  double raise = 0.0;  // of the camera, after 2 s [m]
+  double lift = 0.0;   // of the first robot, after 2 s [m]
+  int lifts = 1;       // so many of them are
+  double light = 1.0;  // after 2 s, of what it was
+  bool moved = false;  // ScaleWatch::moved, at any time
 
   /// All that is told in `seconds` at 25 frames/s; `last` is the last stretch.
   std::vector<std::string> told(double seconds) {
@@ -26,18 +31,29 @@ struct DrivingTags {
     Frame frame;
     std::vector<std::string> all;
     for (int k = 0; k < static_cast<int>(seconds * 25.0); ++k) {
+      if (k == 50 && raise != 0.0) {
+        CameraPose higher = *truth.world_from_camera;
+        higher.position.z() += raise;
+        camera.hang(higher);
+      }
       const double t = k / 25.0, turned = 0.4 * t + static_cast<double>(seed);
       std::vector<SyntheticTag> tags;
       for (int i = 0; i < 4; ++i) {
         const double x = i % 2 == 0 ? -0.45 : 0.45, y = i < 2 ? -0.3 : 0.3;
         tags.push_back({.tag = i + 1,
                         .pose = {x + 0.2 * std::cos(turned + i), y + 0.2 * std::sin(turned + i), turned + i + 1.57},
-                        .size = truth.tag_size});
+                        .size = truth.tag_size,
+                        .lifted = i < lifts && k >= 50 ? lift : 0.0});
       }
       camera.render(tags, {}, t, frame);
+      if (k >= 50 && light != 1.0)
+        for (std::uint8_t& grey : frame.grey) grey = static_cast<std::uint8_t>(std::min(255.0, light * grey));
       tracker.process(frame);
       last = tracker.stretch();
       if (std::string sentence = watch.update(t, last); !sentence.empty()) all.push_back(std::move(sentence));
+      if (std::string sentence = watch.update_change(t, tracker.scale_change()); !sentence.empty())
+        all.push_back(std::move(sentence));
+      moved = moved || watch.moved();
     }
     return all;
   }
@@ -75,6 +91,52 @@ TEST(ScaleWatch, NamesTheSizeThatWouldFit) {
   ASSERT_EQ(told.size(), 1U);
   EXPECT_THAT(told.front(), HasSubstr("% larger than [tags] size 40.0 mm"));
   EXPECT_THAT(told.front(), HasSubstr("size of 40.8 mm would fit"));
+}
+
+TEST(ScaleWatch, TellsWhenAllTagsBecomeSmallerOrLargerAtOnce) {
+  for (const double part : {0.01, -0.01}) {
+    DrivingTags tags;
+    tags.raise = part * (tags.truth.world_from_camera->position.z() - tags.truth.tag_height);
+    const std::vector<std::string> told = tags.told(5.0);
+    ASSERT_EQ(told.size(), 1U);
+    const std::string all = "all 4 tags look ";
+    ASSERT_THAT(told.front(), HasSubstr(all));
+    EXPECT_NEAR(std::stod(told.front().substr(all.size())), 1.0, 0.15) << told.front();
+    EXPECT_THAT(told.front(), HasSubstr(part > 0.0 ? "% smaller than a few seconds" : "% larger than a few seconds"));
+    EXPECT_FALSE(tags.moved) << "poses are still taken";
+  }
+}
+
+TEST(ScaleWatch, ACameraThatIsRaisedHasMoved) {
+  for (const double raise : {0.05, -0.05}) {
+    DrivingTags tags;
+    tags.raise = raise;
+    EXPECT_THAT(tags.told(5.0), IsEmpty()) << "the part that stops the robots says so";
+    EXPECT_TRUE(tags.moved);
+  }
+}
+
+TEST(ScaleWatch, ARobotThatIsLiftedIsNoCameraThatMoved) {
+  DrivingTags tags;
+  tags.lift = 0.05;
+  EXPECT_THAT(tags.told(5.0), IsEmpty());
+  EXPECT_FALSE(tags.moved);
+}
+
+TEST(ScaleWatch, TagsThatDoNotAgreeAreNoChangeOfTheCamera) {
+  DrivingTags tags;
+  tags.lifts = 3;
+  tags.lift = 0.05;
+  EXPECT_THAT(tags.told(5.0), IsEmpty()) << "three robots are lifted, and one is not";
+  EXPECT_FALSE(tags.moved);
+}
+
+/// Paper that is brighter than the camera can show makes all tags look smaller.
+TEST(ScaleWatch, LightThatIsTooBrightIsNoCameraThatMoved) {
+  DrivingTags tags;
+  tags.light = 3.0;
+  EXPECT_THAT(tags.told(5.0), IsEmpty());
+  EXPECT_FALSE(tags.moved);
 }
 
 TEST(ScaleWatch, SpeaksAgainOnlyAfterAllWasWell) {
