@@ -12,6 +12,8 @@
 
 namespace skein::app {
 
+struct Machine;  // app/doctor/machine.h
+
 /// The bodies of the subcommands; each returns an ExitStatus and reports errors on stderr.
 
 /// An experiment as given on the command line.
@@ -43,6 +45,8 @@ struct DoctorRequest {
   bool window = false;  ///< the program was built with one
 };
 int doctor(const DoctorRequest& request);
+/// The same on a given machine (a test's), instead of this one.
+int doctor(const DoctorRequest& request, const Machine& machine);
 
 /// `controller`: also tests the law over the whole experiment.
 int check(const ExperimentRequest& request, bool controller);

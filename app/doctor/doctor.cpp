@@ -77,10 +77,31 @@ Finding not_known(std::string what, const char* path, State state = State::note)
 
 // --- what a user may do ---
 
+bool is_in(const Machine& machine, const std::string& group) {
+  return std::find(machine.groups.begin(), machine.groups.end(), group) != machine.groups.end();
+}
+
+/// Whether the user is to be in a group from the next login on: the machine's file has it, this process does not.
+bool is_in_after_login(const Machine& machine, const std::string& group) {
+  if (is_in(machine, group)) return false;
+  std::ifstream file(below(machine, "/etc/group"));
+  for (std::string line; std::getline(file, line);) {
+    if (!line.starts_with(group + ":")) continue;
+    std::istringstream members(line.substr(line.rfind(':') + 1));
+    for (std::string member; std::getline(members, member, ',');)
+      if (member == machine.user) return true;
+  }
+  return false;
+}
+
 Finding group(const Machine& machine, const char* name, const char* what) {
   const std::string subject = fmt::format("group {}", name);
-  if (machine.superuser || std::find(machine.groups.begin(), machine.groups.end(), name) != machine.groups.end())
+  if (machine.superuser || is_in(machine, name))
     return well(subject, machine.superuser ? "root needs none" : "you are in it");
+  if (is_in_after_login(machine, name))
+    return {State::ill, subject,
+            fmt::format("{} is in it from the next login on: until then {} cannot be opened", machine.user, what),
+            "log in again"};
   return {State::ill,
           subject,
           fmt::format("{} is not in it: {} cannot be opened", machine.user, what),
@@ -88,18 +109,37 @@ Finding group(const Machine& machine, const char* name, const char* what) {
           {{"adduser", machine.user, name}}};
 }
 
+constexpr const char* rights_of_the_group = "/etc/security/limits.d/60-skein.conf";
+constexpr const char* rules_of_the_package = "/usr/lib/udev/rules.d/60-skein.rules";
+constexpr const char* in_the_next_session = "log in again: a session that begins now has it";
+
+/// Whether that file grants the group a limit of this name. A session that began before, or that does not read such
+/// files, is without it.
+bool is_granted_to_the_group(const Machine& machine, const std::string& item) {
+  std::ifstream file(below(machine, rights_of_the_group));
+  for (std::string line; std::getline(file, line);) {
+    std::istringstream words(line);
+    std::string who, kind, limit;
+    if (words >> who >> kind >> limit && who == "@skein" && limit == item) return true;
+  }
+  return false;
+}
+
 /// What the package skein-permissions allows the group skein is not granted.
-Finding not_granted(State state, const char* subject, std::string found, const Machine& machine) {
+Finding not_granted(State state, const char* subject, const char* item, std::string found, const Machine& machine) {
   if (machine.superuser)  // a group grants root nothing: it lacks a capability
     return {state, subject, std::move(found),
             "a container withholds it: start it as root, with --cap-add=SYS_NICE --cap-add=IPC_LOCK"};
+  if (is_granted_to_the_group(machine, item) && (is_in(machine, "skein") || is_in_after_login(machine, "skein")))
+    return {state, subject, std::move(found),
+            fmt::format("{}, if its pam_limits reads {}", in_the_next_session, rights_of_the_group)};
   return {state,
           subject,
           std::move(found),
           fmt::format("install skein-permissions, then as root: adduser {} skein; then log in again", machine.user),
           {{"addgroup", "--quiet", "--system", "skein"},
            {"sh", "-c",
-            "printf '@skein - rtprio 25\\n@skein - memlock unlimited\\n' > /etc/security/limits.d/60-skein.conf"},
+            fmt::format("printf '@skein - rtprio 25\\n@skein - memlock unlimited\\n' > {}", rights_of_the_group)},
            {"adduser", machine.user, "skein"}}};
 }
 
@@ -107,7 +147,7 @@ Finding priority(const Machine& machine) {
   const char* const subject = "real-time priority";
   if (machine.rtprio < 0) return well(subject, "granted without limit");
   if (machine.rtprio >= needed_priority) return well(subject, fmt::format("granted up to {}", machine.rtprio));
-  return not_granted(State::ill, subject,
+  return not_granted(State::ill, subject, "rtprio",
                      fmt::format("not granted (limit {}, requested {}): on a busy machine ticks and stops are late",
                                  machine.rtprio, needed_priority),
                      machine);
@@ -117,7 +157,7 @@ Finding memory_lock(const Machine& machine) {
   const char* const subject = "memory lock";
   if (machine.memlock < 0) return well(subject, "granted without limit");
   return not_granted(
-      State::note, subject,
+      State::note, subject, "memlock",
       fmt::format("not granted (limit {} kB): on a machine that swaps, ticks and stops may wait for the disk",
                   machine.memlock / 1024),
       machine);
@@ -164,26 +204,29 @@ Finding governor(const Machine& machine) {
     if (!governor.empty() && governor != "performance" && !automatic) slow.insert(governor);
   }
   if (slow.empty()) return well(subject, "no governor slows the processor down");
-  return {slow.contains("powersave") ? State::ill : State::note,
-          subject,
-          fmt::format("governor {}: the processor wakes slowly", fmt::join(slow, ", ")),
-          "as root: for g in /sys/devices/system/cpu/cpufreq/policy*/scaling_governor; do echo performance > $g; done",
-          {{"sh", "-c",
-            "for g in /sys/devices/system/cpu/cpufreq/policy*/scaling_governor; do echo performance > $g; done"}}};
+  return {
+      slow.contains("powersave") ? State::ill : State::note,
+      subject,
+      fmt::format("governor {}: the processor wakes slowly", fmt::join(slow, ", ")),
+      "as root: for g in /sys/devices/system/cpu/cpufreq/policy*/scaling_governor; do echo performance > $g; done",
+      {{"sh", "-c",
+        "for g in /sys/devices/system/cpu/cpufreq/policy*/scaling_governor; do echo performance > $g || exit; done"}}};
 }
 
 Finding idle_states(const Machine& machine) {
   const char* const subject = "idle states";
   const char* const device = "/dev/cpu_dma_latency";
+  const char* const rules = "/etc/udev/rules.d/60-skein-latency.rules";
   if (machine.usable(device)) return well(subject, "a run may keep the processors from deep ones");
+  std::string found = fmt::format("{} cannot be written: an idle processor may wake 0.05 to 0.5 ms late", device);
+  if ((is_there(machine, rules) || is_there(machine, rules_of_the_package)) && is_in_after_login(machine, "skein"))
+    return {State::note, subject, std::move(found), in_the_next_session};
   return {State::note,
           subject,
-          fmt::format("{} cannot be written: an idle processor may wake 0.05 to 0.5 ms late", device),
+          std::move(found),
           fmt::format("install skein-permissions, then as root: adduser {} skein; then log in again", machine.user),
           {{"addgroup", "--quiet", "--system", "skein"},
-           {"sh", "-c",
-            "echo 'KERNEL==\"cpu_dma_latency\", GROUP=\"skein\", MODE=\"0660\"' > "
-            "/etc/udev/rules.d/60-skein-latency.rules"},
+           {"sh", "-c", fmt::format("echo 'KERNEL==\"cpu_dma_latency\", GROUP=\"skein\", MODE=\"0660\"' > {}", rules)},
            {"udevadm", "control", "--reload"},
            {"udevadm", "trigger", "--sysname-match=cpu_dma_latency"},
            {"adduser", machine.user, "skein"}}};
@@ -320,13 +363,18 @@ Findings bluetooth(const Machine& machine, const Examination& examination) {
   if (!is_there(machine, device_classes)) return {not_known("Bluetooth", device_classes, missing)};
 
   for (const fs::path& kill : entries(below(machine, "/sys/class/rfkill"), "rfkill"))
-    if (read(kill / "type") == "bluetooth" && (read(kill / "soft") == "1" || read(kill / "hard") == "1"))
-      result.push_back({missing,
-                        "Bluetooth switch",
-                        fmt::format("{} is blocked by {}", read(kill / "name"),
-                                    read(kill / "hard") == "1" ? "a switch of the machine" : "software"),
-                        "rfkill unblock bluetooth, or the machine's own switch",
-                        {{"rfkill", "unblock", "bluetooth"}}});
+    if (read(kill / "type") == "bluetooth") {
+      const std::string name = read(kill / "name");
+      if (read(kill / "hard") == "1")  // no program releases it
+        result.push_back({missing, "Bluetooth switch", fmt::format("{} is blocked by a switch of the machine", name),
+                          "turn the machine's own switch"});
+      if (read(kill / "soft") == "1")
+        result.push_back({missing,
+                          "Bluetooth switch",
+                          fmt::format("{} is blocked by software", name),
+                          "as root: rfkill unblock bluetooth",
+                          {{"rfkill", "unblock", "bluetooth"}}});
+    }
   if (entries(below(machine, "/sys/class/bluetooth"), "hci").empty()) {
     result.push_back(
         {missing, "Bluetooth", "no adapter: robots by WiFi and cable only", "plug one in; each takes 7 robots"});
@@ -381,8 +429,7 @@ Findings bluetooth(const Machine& machine, const Examination& examination) {
 Findings serial(const Machine& machine, const Examination& examination) {
   Findings result;
   for (const fs::path& process : entries(below(machine, "/proc"), ""))
-    if (read(process / "comm") == "ModemManager" &&
-        !fs::exists(below(machine, "/usr/lib/udev/rules.d/60-skein.rules"))) {
+    if (read(process / "comm") == "ModemManager" && !is_there(machine, rules_of_the_package)) {
       result.push_back({State::note, "ModemManager", "writes to new serial lines, robots on USB among them",
                         "install skein-permissions, which keeps it away from e-pucks"});
       break;

@@ -116,25 +116,37 @@ tl::expected<void, std::string> try_the_guard() {
   return {};
 }
 
-bool on_the_path(const std::string& program) {
-  std::istringstream folders(variable("PATH"));
+/// Where it is, in the first of the folders that has it; empty: in none.
+std::string found_in(const std::string& path, const std::string& program) {
+  std::istringstream folders(path);
   for (std::string folder; std::getline(folders, folder, ':');)
-    if (::access(fmt::format("{}/{}", folder, program).c_str(), X_OK) == 0) return true;
-  return false;
+    if (std::string file = fmt::format("{}/{}", folder, program); ::access(file.c_str(), X_OK) == 0) return file;
+  return {};
 }
 
-int execute(const std::vector<std::string>& command) {
+bool on_the_path(const std::string& program) {
+  return !found_in(variable("PATH"), program).empty();
+}
+
+tl::expected<void, std::string> execute(const std::vector<std::string>& command) {
   std::vector<std::string> words = command;
   if (::geteuid() != 0) words.insert(words.begin(), "sudo");
+  // After `su` the path is still that of the user, without the folders of what only root needs.
+  const std::string program = found_in(variable("PATH") + ":/usr/sbin:/sbin", words.front());
   std::vector<char*> arguments;
   arguments.reserve(words.size() + 1);
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   pid_t child = 0;
-  if (::posix_spawnp(&child, arguments[0], nullptr, nullptr, arguments.data(), environ) != 0) return 127;
+  const int error =
+      program.empty() ? ENOENT : ::posix_spawn(&child, program.c_str(), nullptr, nullptr, arguments.data(), environ);
+  if (error != 0) return tl::unexpected(fmt::format("{} cannot be started: {}", words.front(), std::strerror(error)));
   int status = 0;
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+  if (WIFSIGNALED(status)) return tl::unexpected(fmt::format("{} was ended by a signal", command.front()));
+  if (WEXITSTATUS(status) != 0)
+    return tl::unexpected(fmt::format("{} ended with status {}", command.front(), WEXITSTATUS(status)));
+  return {};
 }
 
 }  // namespace

@@ -55,8 +55,9 @@ struct Machine {
   std::function<std::vector<std::string>(const vision::SourceKind& kind)> network_cameras;
   /// Whether the modules can be loaded: films, boards, Aravis.
   std::function<tl::expected<void, std::string>()> modules;
-  std::function<bool(const std::string& program)> has_program;          ///< on the PATH
-  std::function<int(const std::vector<std::string>& command)> execute;  ///< for --fix; its exit status
+  std::function<bool(const std::string& program)> has_program;  ///< on the PATH
+  /// For --fix: runs it as root; the error says that it did not end with status 0, or did not start.
+  std::function<tl::expected<void, std::string>(const std::vector<std::string>& command)> execute;
 };
 
 /// This machine.

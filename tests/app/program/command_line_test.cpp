@@ -241,6 +241,38 @@ TEST(CommandLine, ACameraIsExaminedAndItsTableCanBePasted) {
   EXPECT_EQ(skein({"camera", "doctor", "film.mkv"}).status, 2);
 }
 
+TEST(CommandLine, ADoctorFixesWhatItCanAndSaysTheRest) {
+  // Instead of every command that it might start on this machine there is one that makes gnuplot.
+  Folder folder;
+  for (const char* name :
+       {"sudo", "adduser", "addgroup", "sysctl", "rfkill", "systemctl", "busctl", "udevadm", "sh", "apt-get"}) {
+    std::ofstream(folder / name) << "#!/bin/sh\necho \"${0##*/} $*\"\ncase \"$*\" in\n*gnuplot-nox) : > '"
+                                 << folder / "gnuplot"
+                                 << "'; /bin/chmod +x '" << folder / "gnuplot"
+                                 << "' ;;\nesac\n";
+    ::chmod((folder / name).c_str(), 0700);
+  }
+  std::ofstream(folder / "lab.toml") << "[camera]\nsource = \"v4l2:/dev/nowhere\"\ncalibration = "
+                                        "\"cal.toml\"\n[[robot]]\ntag = 1\nlink = \"serial:/dev/nowhere\"\n";
+  const std::string path = std::getenv("PATH");
+  ::setenv("PATH", folder.path.c_str(), 1);
+  const std::vector<std::string> words{"doctor", folder / "lab.toml", "--seconds", "0", "--fix"};
+  const Result first = skein(words), second = skein(words);
+  ::setenv("PATH", path.c_str(), 1);
+  EXPECT_EQ(first.status, 1) << first.out << first.err;
+  EXPECT_TRUE(has(first.out, "\nnote  gnuplot: is missing")) << first.out;
+  EXPECT_TRUE(std::regex_search(
+      first.out,
+      std::regex("\nfix   gnuplot: apt-get install -y gnuplot-nox\n(sudo )?apt-get install -y gnuplot-nox\n")))
+      << "said before it is done: " << first.out;
+  EXPECT_EQ(first.err, "");
+  EXPECT_EQ(second.status, 1) << second.out << second.err;
+  EXPECT_TRUE(has(second.out, "\nwell  gnuplot: ")) << second.out;
+  EXPECT_FALSE(has(second.out, "\nfix   gnuplot")) << second.out;
+  for (const Result& r : {first, second})
+    EXPECT_TRUE(has(r.out, "\nby hand  /dev/nowhere: plug it in, or correct its link in the file\n")) << r.out;
+}
+
 TEST(CommandLine, TheTrackerOfARunFollowsItsFilm) {
   Folder folder;
   ASSERT_EQ(skein({"run", experiments + "platoon-loopback.toml", "--set", "duration=1", "--set", "perturb=[]", "--set",
