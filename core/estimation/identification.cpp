@@ -5,8 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "core/estimation/statistics.h"
 #include "core/kinematics/unicycle.h"
@@ -56,6 +59,14 @@ Prior prior_of(const DifferentialDrive& believed) {
   p.sigma << 0.2, 0.2, 0.3, 0.3, 3.0, 0.2, 0.01, 0.01, 4.0, 4.0;
   return p;
 }
+
+/// What the data say of the delay, relative to where it was looked at. [s, s^2]
+struct DelayPosterior {
+  double mean = 0.0, variance = 0.0;
+  double low = 0.0, high = 0.0;  // 2.5 % of it are below, and above
+  double likeliest = 0.0;
+  double gained = 0.0;  // by going there: how much the cost falls
+};
 
 struct Found {
   Vector3 error;       // pose - expected, in the world frame
@@ -193,10 +204,12 @@ class Search {
         const double there = cost(p + step);
         if (there <= here) {
           const double improved = step.dot(information_ * step);
+          // Along a kink (see delay_posterior) only short steps help: what they gain is far below what noise does.
+          const bool crawls = damping > 0.0 && here - there < 1e-4;
           p += step;
           here = there;
           damping = damping < 1e-3 ? 0.0 : damping * 0.1;
-          if (improved < 1e-6) {
+          if (improved < 1e-6 || crawls) {
             linearise(p, slope, information_);
             return true;
           }
@@ -220,6 +233,81 @@ class Search {
       if (used_[k] && found_[k].error.dot(found_[k].covariance.inverse() * found_[k].error) > far)
         used_[k] = false, ++dropped;
     return dropped;
+  }
+
+  /// Moves the noise from where all parameters together are likeliest to where it is likeliest by itself, whatever the
+  /// others are (restricted maximum likelihood). A fit follows a part of the noise: of the slip, which wanders off
+  /// slowly and of which a run tells as much as some dozens of draws would, as much as several parameters can follow. A
+  /// step of Newton's, with Laplace's integral over the others.
+  void discount_fit(Parameters& p) {
+    constexpr double h = 0.02;
+    Parameters slope;
+    linearise(p, slope, information_);
+    const Information covariance = information_.inverse();
+    const auto log_determinant = [&](const Parameters& there) {
+      Information information;
+      linearise(there, slope, information);
+      return information.ldlt().vectorD().array().log().sum();
+    };
+    Parameters step = Parameters::Zero();
+    for (const Unknown noise : {Unknown::slip, Unknown::sigma_xy, Unknown::sigma_theta}) {
+      Parameters more = p, less = p;
+      more[at(noise)] += h, less[at(noise)] -= h;
+      step -= 0.5 * (log_determinant(more) - log_determinant(less)) / (2.0 * h) * covariance.col(at(noise));
+    }
+    if (!step.allFinite()) return;
+    // Farther than a standard deviation a single step is a guess.
+    p += step / std::max(1.0, step.cwiseAbs().cwiseQuotient(covariance.diagonal().cwiseSqrt()).maxCoeff());
+    linearise(p, slope, information_);
+  }
+
+  /// Fisher's information tells the posterior's curvature where it is likeliest. Of the delay that is not enough:
+  /// wheels change their speeds at the ticks, and a delay at which a pose meets a change is a kink of the expected
+  /// pose. On either side of a kink, and kinks are a tick apart, other changes of speed tell the delay; it is another
+  /// parabola, and there may be a second maximum. So the posterior is summed up, along the line on which the other
+  /// parameters follow the delay.
+  DelayPosterior delay_posterior(const Parameters& p, const Information& covariance) {
+    constexpr double fine = 0.25, negligible = 8.0;
+    constexpr int fine_steps = 16, most = 60;  // to either side
+    const double variance = covariance(at(Unknown::delay), at(Unknown::delay));
+    const Parameters line = covariance.col(at(Unknown::delay)) / variance;
+    struct Point {
+      double delay, cost;
+    };
+    const double here = cost(p);
+    std::vector<Point> points{{0.0, 0.0}};
+    Point best = points.front();
+    for (const double side : {-1.0, 1.0}) {
+      double stride = fine * std::sqrt(variance), delay = 0.0;
+      for (int k = 0; k < most; ++k) {
+        delay += side * stride;
+        points.push_back({delay, cost(p + line * delay) - here});
+        if (points.back().cost < best.cost) best = points.back();
+        if (points.back().cost > best.cost + negligible) break;
+        if (k >= fine_steps) stride *= 1.1;  // a flat side is a long one
+      }
+    }
+    std::sort(points.begin(), points.end(), [](const Point& a, const Point& b) { return a.delay < b.delay; });
+    double mass = 0.0, first = 0.0, second = 0.0;
+    std::vector<double> until{0.0};  // the mass below each point
+    for (std::size_t k = 1; k < points.size(); ++k) {
+      const auto [a, cost_a] = points[k - 1];
+      const auto [b, cost_b] = points[k];
+      const double share_a = 0.5 * (b - a) * std::exp(best.cost - cost_a);
+      const double share_b = 0.5 * (b - a) * std::exp(best.cost - cost_b);
+      mass += share_a + share_b;
+      first += share_a * a + share_b * b;
+      second += share_a * a * a + share_b * b * b;
+      until.push_back(mass);
+    }
+    const auto quantile = [&](double share) {
+      const auto k = std::max<std::ptrdiff_t>(
+          1, std::lower_bound(until.begin(), std::prev(until.end()), share * mass) - until.begin());
+      const double below = until[k - 1], within = until[k] - below;
+      return std::lerp(points[k - 1].delay, points[k].delay, (share * mass - below) / within);
+    };
+    const double mean = first / mass;
+    return {mean, second / mass - mean * mean, quantile(0.025), quantile(0.975), best.delay, -best.cost};
   }
 
   const Information& information() const noexcept { return information_; }
@@ -355,7 +443,26 @@ Identification identify(const IdentificationInput& input) {
   for (int round = 0; round < 3 && result.converged && search.drop_outliers(p) > 0; ++round)
     result.converged = search.climb(p, result.iterations);
 
-  const Information covariance = search.information().inverse();
+  Information covariance = search.information().inverse();
+  std::optional<DelayPosterior> delay;
+  for (int round = 0; result.converged; ++round) {
+    constexpr double better = 0.05;
+    search.discount_fit(p);
+    covariance = search.information().inverse();
+    delay = search.delay_posterior(p, covariance);
+    const Parameters line = covariance.col(at(Unknown::delay)) / covariance(at(Unknown::delay), at(Unknown::delay));
+    if (round < 3 && delay->gained > better) {  // it came to rest on the wrong side of a kink
+      p += line * delay->likeliest;
+      result.converged = search.climb(p, result.iterations);
+      continue;
+    }
+    // All parameters on average over the delay.
+    covariance += (delay->variance - covariance(at(Unknown::delay), at(Unknown::delay))) * line * line.transpose();
+    delay->low += p[at(Unknown::delay)], delay->high += p[at(Unknown::delay)];
+    p += line * delay->mean;
+    break;
+  }
+
   const auto within = [&](Estimate& e, double width) {
     e.known = result.converged && std::max(e.high - e.value, e.value - e.low) <= width;
   };
@@ -366,6 +473,7 @@ Identification identify(const IdentificationInput& input) {
     const auto value = [&](double parameter) { return logarithmic(unknown) ? std::exp(parameter) : parameter; };
     e = {value(p[i]), value(p[i] - z_95 * sigma), value(p[i] + z_95 * sigma),
          1.0 - std::pow(sigma / search.prior().sigma[i], 2)};
+    if (unknown == Unknown::delay && delay) e.low = delay->low, e.high = delay->high;
     within(e, useful_width(unknown, e.value));
     for (std::size_t j = 0; j < unknowns; ++j)
       result.correlation(i, j) = covariance(i, j) / std::sqrt(covariance(i, i) * covariance(j, j));

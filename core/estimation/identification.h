@@ -16,7 +16,8 @@ namespace skein::core {
 
 // Identifies a differential drive from its wheel commands and its measured poses: the wheels' diameters, the track, the
 // delay from command to pose, the wheels' slip, the tag's pose on the robot, and the noise of the poses; the maximum of
-// their posterior, by the innovations of an extended Kalman filter. Not for the tick: these allocate.
+// their posterior, by the innovations of an extended Kalman filter; of the noise, after the others are integrated out;
+// of the others, on average over the delay. Not for the tick: these allocate.
 
 /// The wheels' angles at one time, if they executed their commands without delay. Between two knots the wheels turn at
 /// a constant rate; before the first and after the last they stand still.
