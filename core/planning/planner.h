@@ -250,7 +250,7 @@ class Planner {
   std::vector<double> rest_from_;  // since when, or infinity [s]
   std::vector<bool> coupled_;
   std::vector<Pose> on_route_;  // where those that drive are to be now
-  std::vector<double> shift_;   // robot i's schedule as robot j's plan assumed it, minus its own [s], n x n
+  std::vector<double> shift_;   // [i n + j]: robot j's schedule as robot i's plan takes it, minus robot j's own [s]
   std::vector<Obstacle> obstacles_;
   double now_ = 0.0, keep_ = 0.1;
   double formation_t_ = 0.0;  // now, on the formation's clock [s]
