@@ -79,6 +79,7 @@ Scene::Who robot_6(double from, double until) {
 struct Outcome {
   double arrived = -1.0;                    // since when everybody is within 1 cm of its last place; negative: not [s]
   double least = 1e9;                       // between two midpoints [m]
+  double least_wanted = 1e9;                // between two references [m]
   double outside = -1.0;                    // of a body [m]
   double fastest_change = 0.0;              // of a speed between two ticks [m/s]
   double most_v = 0.0, most_turning = 0.0;  // of references, against (18f, g)
@@ -132,6 +133,8 @@ Outcome run(const Scene& scene) {
       o.no_way = o.no_way || planner.no_way(i);
       if (k > 0) o.jump = std::max(o.jump, core::distance(followed[i].pose, awaited[i]));
       awaited[i] = core::advance(followed[i].pose, followed[i].twist, dt);
+      for (std::size_t j = 0; j < i; ++j)
+        o.least_wanted = std::min(o.least_wanted, core::distance(followed[i].pose, followed[j].pose));
       twists[i] = followed[i].twist;
       o.most_v = std::max(o.most_v, std::abs(twists[i].v));
       o.most_turning = std::max(o.most_turning, std::abs(twists[i].omega) + gains.k_y * std::abs(twists[i].v));
@@ -575,6 +578,26 @@ TEST(Planner, GoesRoundWhoeverIsStuckAndFetchesItLater) {
     EXPECT_TRUE(o.others_there) << seed;
     EXPECT_TRUE(o.told) << seed << ": nobody would learn when it can drive";
     EXPECT_GE(o.least, 0.078 - 1e-6) << seed;
+  }
+}
+
+/// The first robot is late when the second is let go, whose way across its own is planned to be free by then. There the
+/// second is jammed: the first has to wait for it, by a schedule in which it is as late as that plan took it.
+TEST(Planner, WhoIsLateWaitsForOneWhoseWayWasPlannedSince) {
+  for (int k = 0; k < 8; ++k) {
+    const double x = -0.24 + 0.02 * k;
+    Scene scene;
+    scene.starts = {{-0.7, 0.0, 1.0}, {x, -0.2, 0.5 * core::pi}};
+    scene.lines.add(scene.starts[0], {0.7, 0.0, 0.0});
+    scene.lines.add(scene.starts[1], {x, 0.5, 0.0});
+    scene.out = [](std::size_t, double t) { return std::vector<std::uint8_t>{0, t < 5.0}; };
+    scene.jammed = [](std::size_t, double t) {
+      return std::vector<std::uint8_t>{t >= 1.0 && t < 4.5, t >= 7.3 && t < 10.8};
+    };
+    const Outcome o = run(scene);
+    EXPECT_GT(o.arrived, 10.8) << x;
+    EXPECT_GE(o.least_wanted, 0.08) << x << ": the first was told to drive on into the second";
+    EXPECT_GE(o.least, 0.078 - 1e-6) << x;
   }
 }
 

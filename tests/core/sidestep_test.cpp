@@ -122,6 +122,19 @@ TEST(Sidestep, PassesAnObstacleOnTheStraightNoFartherThanMustBe) {
     }
 }
 
+/// By how much a way comes nearer to obstacles and edges, or sooner, than the shield allows. [m]
+double lacks_room(const core::Sidestep& way, const core::SidestepSearch::Query& query, const core::Reference& reference,
+                  const core::Lattice& lattice) {
+  double most = 0.0, before = -1.0;
+  for (int k = 0; query.t + 0.1 * k < way.ends(); ++k) {
+    const Pose at = way.pose(reference, query.robot, query.t + 0.1 * k);
+    const double room = lattice.room(at.x, at.y);
+    most = std::max(most, std::max(0.0, std::exp(-0.1 * query.gamma) * before) - room);
+    before = room;
+  }
+  return most;
+}
+
 TEST(SidestepSearch, AWayIsDrivenAsItWasChecked) {
   // Before and in corners, where means of headings over longer times are tried, and with a clock that slows down.
   const core::Gains gains = core::paper_gains(4);
@@ -144,21 +157,44 @@ TEST(SidestepSearch, AWayIsDrivenAsItWasChecked) {
       for (core::Sidestep way; search.next(way); ++ways) {
         EXPECT_EQ(way.delay().ends(), query.delay.ends());
         corners += std::abs(platoon.at(0, way.begins() + 2.0).twist.omega) > 0.1;
-        double before = -1.0;
         for (int k = 0; query.t + 0.1 * k < way.ends(); ++k) {
           const ReferencePoint at = way.shift(platoon, 0, query.t + 0.1 * k);
           ASSERT_LE(at.twist.v, query.pace.v + 1e-9) << "start " << start << ", " << k << (slow ? ", slow" : "");
-          const double room = lattice.room(at.pose.x, at.pose.y);
-          ASSERT_GE(room, -2e-4) << "start " << start << ", " << k;
-          if (before > 0.0) {  // the shield would slow a robot whose room shrinks faster
-            ASSERT_GE(room, std::exp(-0.1 * query.gamma) * before - 2e-4) << "start " << start << ", " << k;
-          }
-          before = room;
         }
+        ASSERT_LE(lacks_room(way, query, platoon, lattice), 2e-4) << "start " << start << (slow ? ", slow" : "");
       }
     }
   EXPECT_GT(ways, 100);
   EXPECT_GT(corners, 10);
+}
+
+/// Beside the lane stands what the place itself drives past, before, beside and behind the obstacle on the lane.
+TEST(SidestepSearch, NoWayLeadsIntoWhatStandsBesideTheLane) {
+  const core::Gains gains = core::paper_gains(4);
+  core::Lattice lattice(arena, 0.0435, 3);
+  int ways = 0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    Draw draw(seed);
+    const core::Platoon platoon = lap(draw.between(0.0, 4.0));
+    const double meets = draw.between(5.0, 6.5);
+    const auto obstacle = [&](double around, double from, double to) {
+      const double t = meets + draw.between(-around, around), off = draw.between(from, to);
+      const Pose place = platoon.at(0, t).pose;
+      const double x = place.x - off * std::sin(place.theta), y = place.y + off * std::cos(place.theta);
+      return Obstacle{x, y, draw.between(0.03, 0.05)};
+    };
+    const std::vector<Obstacle> obstacles{obstacle(0.0, -0.05, 0.05), obstacle(3.0, 0.1, 0.2),
+                                          obstacle(3.0, -0.2, -0.1)};
+    core::SidestepSearch::Query query;
+    query.t = 1.0;
+    query.pace = {core::free_v(gains, 0), core::free_omega(gains, 0)};
+    lattice.build(obstacles);
+    core::SidestepSearch search;
+    if (search.begin(query, platoon, lattice) != core::SidestepSearch::Lane::blocked) continue;
+    for (core::Sidestep way; search.next(way); ++ways)
+      ASSERT_LE(lacks_room(way, query, platoon, lattice), 2e-4) << "seed " << seed;
+  }
+  EXPECT_GT(ways, 300);
 }
 
 }  // namespace
