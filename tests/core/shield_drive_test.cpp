@@ -238,29 +238,105 @@ TEST(ShieldDrive, LateCommandsLoseNothingWherePosesArePredicted) {
   });
 }
 
+// Proposition 5 of docs/theory.md, from both sides.
+
+/// How fast the gap of two may close at most whose speeds add up to `speeds`, where the shield allows `allowed` and
+/// their directions are off by up to `angle`.
+double fastest_closing(double allowed, double speeds, double angle) {
+  if (!(speeds > 0.0)) return 0.0;
+  return speeds * std::cos(std::max(0.0, std::acos(std::min(1.0, allowed / speeds)) - angle));
+}
+
+/// Where two robots are, and where the shield is told that they are.
+struct Misjudged {
+  std::vector<Pose> poses, told;
+  ShieldParameters keeps{};
+
+  double allowed() const { return keeps.gamma * std::max(0.0, core::distance(told[0], told[1]) - keeps.distance); }
+  /// By the shield; changes `commands`. [m/s]
+  double closing(std::vector<Twist>& commands) const {
+    const std::array<double, 2> v_limit{0.1, 0.1};
+    std::array<bool, 2> touched{};
+    Shield shield(2, 0);
+    shield.apply(keeps, {.poses = told, .v_limit = v_limit}, commands, touched);
+    const double n_x = poses[0].x - poses[1].x, n_y = poses[0].y - poses[1].y;
+    const auto along = [&](std::size_t i) {
+      return commands[i].v * (n_x * std::cos(poses[i].theta) + n_y * std::sin(poses[i].theta));
+    };
+    return (along(1) - along(0)) / std::hypot(n_x, n_y);
+  }
+};
+
 TEST(ShieldDrive, WrongPosesLetTheGapShrinkNoFasterThanTheirAngles) {
-  holds("closing <= gamma (d' - D)^+ + sum |v| 2 sin((phi + asin(E / d)) / 2)", [] {
+  holds("closing <= V cos(arccos(g / V) - phi - asin(E / d))", [] {
     Draw draw(any_seed());
-    ShieldParameters keeps;
     const double apart = draw.between(0.070, 0.1), off = draw.between(0.0, 0.01), turned = draw.between(0.0, 0.3);
-    const std::vector<Pose> poses{{0.0, 0.0, draw.angle()}, {apart, 0.0, draw.angle()}};
-    std::vector<Pose> told = poses;
-    for (Pose& pose : told) {
+    Misjudged two{{{0.0, 0.0, draw.angle()}, {apart, 0.0, draw.angle()}}, {}};
+    two.told = two.poses;
+    for (Pose& pose : two.told) {
       const double direction = draw.angle(), share = draw.chance(0.5) ? 1.0 : draw.between(0.0, 1.0);
       pose.x += share * off * std::cos(direction), pose.y += share * off * std::sin(direction);
       pose.theta += turned * (draw.chance(0.5) ? draw.sign() : draw.between(-1.0, 1.0));
     }
     std::vector<Twist> commands{{draw.between(-0.1, 0.1), 0.0}, {draw.between(-0.1, 0.1), 0.0}};
-    const std::array<double, 2> v_limit{0.1, 0.1};
-    std::array<bool, 2> touched{};
-    Shield shield(2, 0);
-    shield.apply(keeps, {.poses = told, .v_limit = v_limit}, commands, touched);
-    const double closing = commands[0].v * std::cos(poses[0].theta) - commands[1].v * std::cos(poses[1].theta);
-    const double slack = 2.0 * std::sin(0.5 * (turned + std::asin(2.0 * off / apart)));
-    const double measured = core::distance(told[0], told[1]);
-    RC_ASSERT(closing <= keeps.gamma * std::max(0.0, measured - keeps.distance) +
-                             (std::abs(commands[0].v) + std::abs(commands[1].v)) * slack + 1e-8);
+    const double closing = two.closing(commands), speeds = std::abs(commands[0].v) + std::abs(commands[1].v);
+    RC_ASSERT(closing <= fastest_closing(two.allowed(), speeds, turned + std::asin(2.0 * off / apart)) + 1e-8);
   });
+}
+
+/// The robot at the origin and one to its right are told `measured` from each other. In truth the second is 2 `off` to
+/// the side, and both are turned by `turned`, so that both errors of direction add up. With 0.1 m/s each they close in
+/// at `closing` [m/s] as told, or more slowly where they drive straight at each other in truth.
+Misjudged misjudged(double measured, double off, double turned, double closing) {
+  const double aside = std::max(std::acos(std::min(1.0, closing / 0.2)), turned + std::atan(2.0 * off / measured));
+  Misjudged two;
+  two.told = {{0.0, 0.0, aside}, {measured, 0.0, core::wrap_angle(aside + core::pi)}};
+  two.poses = {{0.0, -off, aside - turned}, {measured, off, core::wrap_angle(aside + core::pi - turned)}};
+  return two;
+}
+
+TEST(ShieldDrive, WrongPosesLetTheGapShrinkExactlyThatFast) {
+  for (const double measured : {0.072, 0.078, 0.083, 0.1, 0.2})
+    for (const double off : {0.0, 0.001, 0.004})
+      for (const double turned : {0.0, 0.05, 0.3})
+        for (const double gamma : {4.0, 1.0 / dt}) {
+          const double allowed = gamma * std::max(0.0, measured - ShieldParameters{}.distance);
+          Misjudged two = misjudged(measured, off, turned, allowed);
+          two.keeps.gamma = gamma;
+          const double angle = turned + std::asin(2.0 * off / core::distance(two.poses[0], two.poses[1]));
+          std::vector<Twist> commands{{0.1, 0.0}, {0.1, 0.0}};
+          const double closing = two.closing(commands), bound = fastest_closing(allowed, 0.2, angle);
+          EXPECT_LE(closing, bound + 1e-8) << measured << ' ' << off << ' ' << turned << ' ' << gamma;
+          EXPECT_GT(closing, bound - 1e-6) << measured << ' ' << off << ' ' << turned << ' ' << gamma;
+        }
+}
+
+/// Two robots that drive along the circle round the middle between them, as they are told, and are told headings that
+/// are off by `turned`. Returns when their bodies touch. [s]
+double touch_after(double turned) {
+  Misjudged two{{{0.0, 0.0, 0.0}, {0.078, 0.0, 0.0}}, {}};
+  double t = 0.0;
+  for (double apart = 0.078; apart >= 0.07 && t < 60.0; t += dt) {
+    const double to_other = std::atan2(two.poses[1].y - two.poses[0].y, two.poses[1].x - two.poses[0].x);
+    for (std::size_t i = 0; i < 2; ++i)
+      two.poses[i].theta = to_other + (i == 0 ? 0.0 : core::pi) + 0.5 * core::pi - turned;
+    two.told = two.poses;
+    for (Pose& pose : two.told) pose.theta += turned;
+    const double v = 0.5 * apart * std::sin(turned) / dt;
+    std::vector<Twist> commands{{v, 0.0}, {v, 0.0}};
+    two.closing(commands);
+    for (std::size_t i = 0; i < 2; ++i) two.poses[i] = core::advance(two.poses[i], commands[i], dt);
+    apart = core::distance(two.poses[0], two.poses[1]);
+  }
+  return t;
+}
+
+TEST(ShieldDrive, HeadingErrorsOfOneSignUseUpAnyMargin) {
+  // Slowly enough, a tick leaves cos(phi) of the distance.
+  for (const double turned : {0.02, 0.05})
+    EXPECT_NEAR(touch_after(turned), dt * std::log(0.070 / 0.078) / std::log(std::cos(turned)), dt) << turned;
+  EXPECT_NEAR(touch_after(0.05), 3.5, dt);
+  EXPECT_GE(touch_after(0.0), 60.0) << "control";
 }
 
 /// Eight robots in a pen, each driven by a will of its own that changes every second. Returns the least distance.
