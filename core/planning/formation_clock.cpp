@@ -38,9 +38,9 @@ void FormationClock::step(double t, bool away, double hurry, double slope) noexc
   if (!changed) return;
   stays_ = !enough;
   hurry_ = enough ? hurry : 0.0;
-  constexpr double for_ever = 1e6;  // until there is room again [s]
+  constexpr double for_ever = 1e6, hardly = 1e-9;  // until there is room again [s], and how fast it then catches up
   if (waiting)
-    delay_ = Delay(now, 1.0 - slowly, until_ - t, std::max(hurry, least_hurry), slope);
+    delay_ = Delay(now, 1.0 - slowly, until_ - t, enough ? hurry : hardly, slope);
   else if (stays_)
     delay_ = Delay(now, 0.0, for_ever, least_hurry, slope);
   else
