@@ -27,7 +27,8 @@ class FormationClock {
 
   /// `away`: a robot is on its way back at time t. It may run by `hurry` faster than the experiment's clock, and its
   /// rate changes by at most `slope` [1/s]. If couplings grow until `hurry` is too little, it stays as far behind as it
-  /// is until there is room again.
+  /// is until there is room again. It keeps (18f, g) while they grow if they take what is left evenly, at most 0.3 of
+  /// it in the first tick and at most `slope` in a second, as a share of the references' speed.
   void step(double t, bool away, double hurry, double slope) noexcept;
   void reset() noexcept { *this = {}; }
 
