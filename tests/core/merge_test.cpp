@@ -3,12 +3,16 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "core/control/gains.h"
 #include "core/kinematics/unicycle.h"
+#include "core/planning/planner.h"
 #include "draw.h"
 #include "lab.h"
+#include "tests/property.h"
 
 namespace skein::test {
 namespace {
@@ -166,6 +170,123 @@ TEST(Merge, OvertakesAColumnFromBehindItsLastRobot) {
           const double alone = joins(i, from, 4000, Delay(), false);
           EXPECT_LT(joins(i, from, 1500, Delay()), alone + 4.0) << i << ": " << ahead << " " << aside << " " << heading;
         }
+}
+
+// Proposition 6 of docs/theory.md, from both sides.
+
+TEST(Delay, ClocksThatDifferCostNoMoreThanIsDrivenInTheirDifference) {
+  const Ring ring(4);
+  const double speed = ring.at(0, 0.0).twist.v;
+  holds("|d_ij - the formation's| <= v |delta_i - delta_j|, and 0 on one clock", [&] {
+    Draw draw(any_seed());
+    const auto any_delay = [&] {
+      return Delay(draw.between(0.0, 3.0), draw.between(0.0, 5.0), draw.between(0.05, 2.0), draw.between(1.0, 20.0));
+    };
+    const Delay first = any_delay(), second = draw.chance(0.3) ? first : any_delay();
+    const std::size_t i = static_cast<std::size_t>(draw.whole(0, 3)), j = (i + 1) % 4;
+    for (double t = 0.0; t < 12.0; t += 0.5) {
+      const double behind = first.at(t), other = second.at(t);
+      const double apart = core::distance(ring.at(i, t - behind).pose, ring.at(j, t - other).pose);
+      const double formation = core::distance(ring.at(i, t - behind).pose, ring.at(j, t - behind).pose);
+      RC_ASSERT(std::abs(apart - formation) <= speed * std::abs(behind - other) + 1e-12);
+    }
+  });
+}
+
+TEST(Delay, ClocksThatDifferCanCostExactlyThat) {
+  const Column column;
+  for (const double stands : {0.5, 1.2, 2.0}) {
+    const Delay delay(1.0, stands, 0.6, 11.0);
+    double least = 1e9;  // robot 0 yields, robot 1 behind it does not
+    for (double t = 0.0; t < delay.ends(); t += 1e-3)
+      least = std::min(least, core::distance(column.at(0, t - delay.at(t)).pose, column.at(1, t).pose));
+    const double bound = 0.12 - column.at(0, 0.0).twist.v * delay.most_behind();
+    EXPECT_GE(least, bound - 1e-9) << stands;
+    EXPECT_LT(least, bound + 1e-4) << stands;
+  }
+}
+
+/// A column that grows longer: how far apart two of it are tells the time, and so does where each of them is.
+class Lengthening final : public core::Reference {
+ public:
+  static constexpr std::size_t count = 5;
+  using core::Reference::at;
+  std::size_t robots() const noexcept override { return count; }
+  ReferencePoint at(std::size_t i, double t) const noexcept override {
+    return {{speed(i) * t - 0.12 * static_cast<double>(i), 0.0, 0.0}, {speed(i), 0.0}};
+  }
+  core::ReferenceDemand demand(double k_y) const noexcept override { return {0.05, k_y * 0.05}; }
+  bool smooth() const noexcept override { return true; }
+  std::vector<std::vector<Pose>> lines() const override { return {}; }
+
+  static double clock_at(std::size_t i, double x) { return (x + 0.12 * static_cast<double>(i)) / speed(i); }
+
+ private:
+  static double speed(std::size_t i) { return 0.05 - 0.001 * static_cast<double>(i); }
+};
+
+/// Robots that drive exactly where the planner wants them, after one of them was put elsewhere.
+struct Yielding {
+  int ticks = 0;          // in which two or more yield
+  double differ = 0.0;    // clocks of those that yield at once, at most [s]
+  double behind = 0.0;    // such a clock, at most [s]
+  double distance = 0.0;  // of two that yield, from the formation's at their clock's time [m]
+  double jump = 0.0;      // of a reference of one that yields, from where its speed leads [m]
+};
+Yielding put_elsewhere(std::size_t robot, double ahead, double aside, double heading) {
+  const Lengthening column;
+  constexpr std::size_t n = Lengthening::count;
+  core::Gains gains = core::paper_gains(n);
+  for (core::PairTable* table : {&gains.k_xx, &gains.k_tt, &gains.k_yy}) table->fill(0.0);
+  core::Planner planner({n, 0, {4.0, 1.0}, 0.078, 60.0}, column);
+  std::vector<Pose> poses(n);
+  std::vector<ReferencePoint> nominal(n), followed(n);
+  std::vector<Twist> last(n);
+  const std::vector<std::uint8_t> nobody(n);
+  Yielding all;
+  for (int k = 0; k * dt < 12.0; ++k) {
+    const double t = k * dt;
+    column.core::Reference::at(t, nominal);
+    for (std::size_t i = 0; i < n; ++i)
+      poses[i] = k == 0 ? nominal[i].pose : core::advance(followed[i].pose, last[i], dt);
+    if (k == 50) poses[robot] = {poses[robot].x + ahead, aside, heading};
+    planner.step({t, false, poses, last, nobody, nobody, {}, 0.0}, gains, dt, nominal, followed);
+    std::vector<std::size_t> yield;
+    for (std::size_t i = 0; i < n; ++i) {
+      last[i] = followed[i].twist;
+      if (planner.state(i) == core::Planner::State::yielding) yield.push_back(i);
+    }
+    all.ticks += yield.size() > 1;
+    for (const std::size_t i : yield) {
+      const double clock = Lengthening::clock_at(i, followed[i].pose.x);
+      all.behind = std::max(all.behind, t - clock);
+      all.jump = std::max(all.jump, core::distance(followed[i].pose, poses[i]));
+      for (const std::size_t j : yield) {
+        all.differ = std::max(all.differ, std::abs(clock - Lengthening::clock_at(j, followed[j].pose.x)));
+        all.distance =
+            std::max(all.distance, std::abs(core::distance(followed[i].pose, followed[j].pose) -
+                                            core::distance(column.at(i, clock).pose, column.at(j, clock).pose)));
+      }
+    }
+  }
+  return all;
+}
+
+TEST(Planner, ThoseWhoYieldHaveOneClockAndTheFormationsDistances) {
+  int ticks = 0;
+  double behind = 0.0;
+  for (const std::size_t robot : {1, 2, 3})
+    for (const double ahead : {0.25, 0.4})
+      for (const double aside : {-0.05, 0.02}) {
+        const Yielding all = put_elsewhere(robot, ahead, aside, 3.0);
+        ticks += all.ticks;
+        behind = std::max(behind, all.behind);
+        EXPECT_LT(all.differ, 1e-9) << robot << ' ' << ahead << ' ' << aside;
+        EXPECT_LT(all.distance, 1e-12) << robot << ' ' << ahead << ' ' << aside;
+        EXPECT_LT(all.jump, 1e-3) << robot << ' ' << ahead << ' ' << aside;
+      }
+  EXPECT_GT(ticks, 100);
+  EXPECT_GT(behind, 1.0);
 }
 
 }  // namespace
