@@ -36,7 +36,7 @@ Check camera(const Experiment& e, const std::string& down, const MarksStatus& ma
       return {What::camera, State::fails, fmt::format("{}there is no {}", prefix, file), real};
   }
   if (!down.empty())
-    return {What::camera, State::fails, fmt::format("{}; it is retried until it is there", down), true};
+    return {What::camera, State::fails, fmt::format("{}; the start waits for it", down), true};
   if (marks.moved)
     return {What::camera, State::fails, camera_moved_sentence(e, *marks.moved, "no robot drives"),
             e.failure.camera_moved == FailureSpec::CameraMoved::all_stop};
