@@ -124,7 +124,7 @@ TEST(Video, ReplaysWithItsLogBitForBit) {
 TEST(Video, OfACameraThatFroze) {
   const auto path = std::filesystem::temp_directory_path() / ("skein_frozen_" + std::to_string(::getpid()) + ".mkv");
   const std::string csv =
-      csv_of(short_film_run({"duration=2", "camera.freeze_at=0.5", "camera.freeze_for=0.6"}), path.string());
+      csv_of(short_film_run({"duration=1", "camera.freeze_at=0.3", "camera.freeze_for=0.4"}), path.string());
   std::istringstream in(csv);
   const auto result = replay(in, "run.csv", path.string());
   std::filesystem::remove(path);
