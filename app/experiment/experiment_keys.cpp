@@ -181,7 +181,8 @@ const std::vector<ExperimentKey>& all_keys() {
        OptionalNumberKey{[](E& e) -> auto& { return e.camera.lost_at; },
                          [](Limits) { return between(0.0, longest_run, "s"); }}},
       {"camera", "freeze_at",
-       "for practice: when the synthetic camera begins to deliver one picture again and again, counted from its opening",
+       "for practice: when the synthetic camera begins to deliver one picture again and again, counted from its "
+       "opening",
        OptionalNumberKey{[](E& e) -> auto& { return e.camera.freeze_at; },
                          [](Limits) { return between(0.0, longest_run, "s"); }}},
       {"camera", "freeze_for", "for practice: for how long it does so",

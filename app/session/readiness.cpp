@@ -35,8 +35,7 @@ Check camera(const Experiment& e, const std::string& down, const MarksStatus& ma
     if (!file.empty() && !std::filesystem::exists(file))
       return {What::camera, State::fails, fmt::format("{}there is no {}", prefix, file), real};
   }
-  if (!down.empty())
-    return {What::camera, State::fails, fmt::format("{}; the start waits for it", down), true};
+  if (!down.empty()) return {What::camera, State::fails, fmt::format("{}; the start waits for it", down), true};
   if (marks.moved)
     return {What::camera, State::fails, camera_moved_sentence(e, *marks.moved, "no robot drives"),
             e.failure.camera_moved == FailureSpec::CameraMoved::all_stop};
@@ -61,7 +60,7 @@ Check settings(const Experiment& e, const CameraStatus& camera) {
           false};
 }
 
-Check tags(const Experiment& e, const TickRecord* record, std::span<const UnseenTag> why_lost) {
+Check tags(const Experiment& e, const TickRecord* record, std::span<const UnseenTag> why_lost, bool camera_down) {
   if (!record) return {What::tags, State::waits, "no poses yet", true};
   std::vector<std::size_t> unseen;
   for (std::size_t i = 0; i < record->robots.size(); ++i)
@@ -96,7 +95,9 @@ Check tags(const Experiment& e, const TickRecord* record, std::span<const Unseen
   std::vector<int> ids;
   ids.reserve(unseen.size());
   for (const std::size_t i : unseen) ids.push_back(e.robots[i].tag);
-  if (!ids.empty())
+  if (!ids.empty() && camera_down && e.cameras() == 1)
+    reasons += fmt::format("{}{}: the camera delivers no new picture", reasons.empty() ? "" : "; ", numbers(unseen));
+  else if (!ids.empty())
     reasons += fmt::format("{}{}: no tag {} in the picture", reasons.empty() ? "" : "; ", numbers(unseen),
                            fmt::join(ids, ", "));
   return {What::tags, State::fails, reasons, true};
@@ -204,7 +205,7 @@ std::vector<Check> readiness(const Experiment& experiment, const Certificate* ce
                              std::span<const RobotStatus> robots, const CameraStatus& cameras) {
   return {camera(experiment, cameras.down, cameras.marks),
           settings(experiment, cameras),
-          tags(experiment, record, cameras.why_lost),
+          tags(experiment, record, cameras.why_lost, !cameras.down.empty()),
           links(experiment, robots),
           batteries(robots),
           gains(certificate),

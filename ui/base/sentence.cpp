@@ -1,6 +1,5 @@
 #include "ui/base/sentence.h"
 
-#include <QCoreApplication>
 #include <QRegularExpression>
 #include <cmath>
 
@@ -83,10 +82,13 @@ QString sentence(const app::Event& event) {
   return std::visit(
       app::Overloaded{
           [&](const DeadlineMissed& e) {
-            return QCoreApplication::translate("skein",
-                                               "%n tick(s) too late: the machine was busy; they were skipped, and the "
-                                               "robots drove on with their last commands",
-                                               nullptr, e.ticks);
+            return e.ticks == 1
+                       ? tr("A tick came too late: the machine was busy; it was skipped, and robots kept their last "
+                            "commands")
+                       : tr("%1 ticks came too late: the machine was busy; they were skipped, and robots kept their "
+                            "last "
+                            "commands")
+                             .arg(e.ticks);
           },
           [&](const GainHeld& e) {
             return tr("%1 is held at %2, its limit: (18) allows no more")

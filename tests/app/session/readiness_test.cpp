@@ -168,6 +168,8 @@ TEST_F(Readiness, WhatIsKnownOfATagThatIsNotAcceptedIsTheReason) {
                                        {.sentence = "tag 3 is there, but its edge is 40 mm"},
                                        {}}};
   EXPECT_EQ(tags(both).reason, "robot 2: tag 2 is there, but its edge is 40 mm; robot 3: likewise") << "once for all";
+  experiment.camera.source = "synthetic";
+  EXPECT_EQ(tags({.down = "it is frozen"}).reason, "robots 2, 3: the camera delivers no new picture");
 }
 
 TEST(FittingTagSize, IsThatOfAllTagsThatAreThereWhereNoRobotIsSeen) {
