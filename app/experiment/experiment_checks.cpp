@@ -301,6 +301,19 @@ void check_waiting(const Experiment& e, const core::Reference& reference, Proble
                              "with, allowed: at least {:g} %, or false; references that are slower, or smaller "
                              "couplings, leave more",
                              100.0 * hurry, 100.0 * core::FormationClock::least_hurry));
+  // Proposition 7 of docs/theory.md: its clock learns of a change in the change's first tick.
+  const double shortest = 4.0 * e.period();
+  for (std::size_t i = 0; i < e.gain_changes.size(); ++i) {
+    const GainChange& change = e.gain_changes[i];
+    const bool couples = std::any_of(core::gain_names.begin(), core::gain_names.end(),
+                                     [&](core::GainName name) { return change[name].has_value(); });
+    if (couples && change.ramp < shortest * (1.0 - 1e-9))
+      problems.add(
+          fmt::format("gain_change.{}.ramp", i + 1),
+          fmt::format("found {:g} s, allowed beside avoidance.formation_waits: at least {:g} s, four ticks, in "
+                      "which a formation that catches up slows down for the couplings",
+                      change.ramp, shortest));
+  }
 }
 
 }  // namespace

@@ -67,6 +67,9 @@ INSTANTIATE_TEST_SUITE_P(
                 "\"plan\""},
         Refused{"[avoidance]\nkind = 'plan'\nformation_waits = true\n[reference]\nspeed = 0.068",
                 "e.toml:3:19: avoidance.formation_waits: found true, but its references and couplings leave it"},
+        Refused{
+            "[avoidance]\nkind = 'plan'\nformation_waits = true\n[[gain_change]]\nt = 9\nramp = 0.1\nk_xx = 0.009",
+            "e.toml:6:8: gain_change.1.ramp: found 0.1 s, allowed beside avoidance.formation_waits: at least 0.16 s"},
         Refused{"[avoidance]\np = 0", "e.toml:2:5: avoidance.p: found 0, allowed: a whole number from 1 to 50"},
         Refused{"[shield]\ndistance = 0.05",
                 "e.toml:2:12: shield.distance: found 0.05, allowed: a number from 0.07 to"},
