@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <cstdint>
 #include <cstdio>
+#include <memory>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -33,20 +34,26 @@ inline std::vector<vision::SyntheticTag> fake_gige_tags() {
   return {{1, {0.3, 0.2, 0.5}}, {2, {-0.5, 0.4, -2.0}}, {3, {0.6, -0.5, 1.5}}, {4, {-0.7, -0.3, 3.0}}};
 }
 
-/// Cameras share one port of the machine: one test at a time, in whatever process.
+/// Cameras share one port of the machine: one camera at a time, in whatever process.
 class PortLock {
  public:
-  PortLock() : file_(open_lock()) {
+  explicit PortLock(const char* lock_file = "/tmp/skein_fake_gige.lock") : file_(open_lock(lock_file)) {
     if (file_ < 0 || ::flock(file_, LOCK_EX) != 0) throw std::system_error(errno, std::generic_category(), lock_file);
+  }
+  /// One test at a time: also while its camera is gone, since another test's would be taken for it.
+  static std::shared_ptr<PortLock> turn() {
+    static std::weak_ptr<PortLock> of_this_process;
+    auto turn = of_this_process.lock();
+    if (!turn) of_this_process = turn = std::make_shared<PortLock>("/tmp/skein_fake_gige_turn.lock");
+    return turn;
   }
   ~PortLock() { ::close(file_); }
   PortLock(const PortLock&) = delete;
   PortLock& operator=(const PortLock&) = delete;
 
  private:
-  static constexpr const char* lock_file = "/tmp/skein_fake_gige.lock";
   /// Another user's, where there is one: in /tmp nobody may create what is there, nor write to it.
-  static int open_lock() {
+  static int open_lock(const char* lock_file) {
     const int there = ::open(lock_file, O_RDONLY | O_CLOEXEC);
     return there >= 0 ? there : ::open(lock_file, O_CREAT | O_RDONLY | O_CLOEXEC, 0644);
   }
@@ -94,6 +101,7 @@ class FakeGige {
   }
 
  private:
+  std::shared_ptr<PortLock> turn_ = PortLock::turn();
   pid_t pid_ = 0;
   bool running_ = false;
 };
