@@ -310,12 +310,12 @@ void TrackerParts::accept(WantedTag& tag, const Frame& frame, const detail::Fit&
 /// stays so for long is no hand, and becomes what is usual.
 bool WantedTag::lifted(double tolerance) noexcept {
   constexpr int remembered = 100, of_blur = 25, long_enough = 250;  // [frames]
-  const bool off =
+  const bool unusual =
       stretches >= enough_stretches && std::abs(*stretch - usual_stretch) > tolerance + deviations * stretch_sigma;
-  off_stretch = off ? off_stretch + 1 : 0;
-  if (off && off_stretch < long_enough) return true;
+  off_stretch = unusual ? off_stretch + 1 : 0;
+  if (unusual && off_stretch < long_enough) return true;
   if (clipped) return false;
-  if (off) stretches = 0;
+  if (unusual) stretches = 0;
   stretches = std::min(stretches + 1, remembered);
   usual_stretch += (*stretch - usual_stretch) / stretches;
   usual_blur += (blur_px - usual_blur) / std::min(stretches, of_blur);
