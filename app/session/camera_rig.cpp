@@ -603,7 +603,7 @@ bool CameraRig::repeats() {
   frozen_.store(frozen, std::memory_order_release);
   if (experiment_.cameras() > 1) return same;  // Cameras tells it of each
   const std::lock_guard lock(absence_mutex_);
-  alarms_.push_back(frozen ? fmt::format("the camera is of no use: {} (a driver that hangs, a capture program whose "
+  alarms_.push_back(frozen ? fmt::format("the camera is frozen: {} (a driver that hangs, a capture program whose "
                                          "input has stopped): robots stand until it changes",
                                          frozen_reason)
                            : "the camera delivers new pictures again");

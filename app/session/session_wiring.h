@@ -159,14 +159,15 @@ struct SessionWiring {
     if (const auto* const differ = std::get_if<events::CamerasDisagree>(&*moved)) fail(camera_stop_sentence(*differ));
   }
 
-  /// Set if the marks on the floor show that the camera has moved: then no robot may drive, unless the file allows it.
-  std::optional<events::CameraMoved> moved_off_its_marks() const {
+  /// Set if the marks on the floor, or the size of all tags, show that the camera has moved: then no robot may drive,
+  /// unless the file allows it.
+  std::optional<events::CameraMoved> moved_camera() const {
     if (experiment.failure.camera_moved == FailureSpec::CameraMoved::go_on) return {};
     return plant->marks().moved;
   }
   /// Refuses commands that make robots drive.
   Answer may_drive() const {
-    const auto moved = moved_off_its_marks();
+    const auto moved = moved_camera();
     if (!moved) return {};
     return tl::unexpected(camera_moved_sentence(experiment, *moved, "no robot drives"));
   }
@@ -179,7 +180,7 @@ struct SessionWiring {
     if (phase == Phase::stopped || phase == Phase::finished) return;
     if (auto reason = plant->failure()) fail(*reason);
     if (phase != Phase::ready)
-      if (const auto moved = moved_off_its_marks()) fail(camera_moved_sentence(experiment, *moved, "STOP"));
+      if (const auto moved = moved_camera()) fail(camera_moved_sentence(experiment, *moved, "STOP"));
     watch_controller();
     const bool moves = phase == Phase::running || phase == Phase::staging;
     if (real_time && moves && clock.now() - last_look.load() > window_silence)

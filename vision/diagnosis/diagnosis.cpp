@@ -44,12 +44,6 @@ constexpr double misfit_tolerance = 0.03;
 // A tag of 8 modules needs so many pixels to be decoded.
 constexpr double least_edge_px = 10.0;
 
-Eigen::Vector2d middle_of(const Corners& corners) {
-  Eigen::Vector2d middle(0.0, 0.0);
-  for (const auto& corner : corners) middle += 0.25 * Eigen::Vector2d(corner[0], corner[1]);
-  return middle;
-}
-
 double edge_px_of(const Corners& corners) {
   double sum = 0.0;
   for (std::size_t i = 0; i < 4; ++i) {

@@ -24,11 +24,12 @@ std::string ScaleWatch::update_change(double t, const std::optional<ScaleChange>
   const double by = change ? std::abs(change->by) : 0.0;
   const bool moves = change && change->tags >= 3 && by > moved_from;
   if (!moves) moved_.reset();
-  if (move_.update(t, moves) || (moves && moved_)) moved_ = change;
+  if (move_.update(t, moves)) moved_ = change;
   if (!change_.update(t, by > steady) || moved_) return {};
   return fmt::format(
       "all {} tags look {:.1f} % {} than a few seconds before: the camera hangs {}, or its zoom or focus has changed. "
-      "Poses are wrong by as much until it is calibrated again, unless the robots themselves were {}",
+      "Distances from the middle of the picture are wrong by as much until it is calibrated again, unless the robots "
+      "themselves were {}",
       change->tags, 100.0 * by, change->by > 0.0 ? "larger" : "smaller", change->by > 0.0 ? "lower" : "higher",
       change->by > 0.0 ? "lifted" : "put down");
 }

@@ -32,7 +32,7 @@ class ScaleWatch {
 
   /// The same of TagTracker::scale_change, once it has lasted for 0.4 s.
   std::string update_change(double t, const std::optional<ScaleChange>& change);
-  /// The change that shows that the camera has moved, for as long as it is there.
+  /// The change that shows that the camera has moved, as it was first seen, for as long as there is one.
   const std::optional<ScaleChange>& moved() const { return moved_; }
 
  private:

@@ -47,6 +47,12 @@ std::optional<TagOnPlane> place_on_plane(const Calibration& calibration, const C
   return tag;
 }
 
+Eigen::Vector2d middle_of(const Corners& corners) {
+  Eigen::Vector2d middle(0.0, 0.0);
+  for (const auto& corner : corners) middle += 0.25 * Eigen::Vector2d(corner[0], corner[1]);
+  return middle;
+}
+
 double tag_edge_px(const Calibration& calibration) {
   const Eigen::Vector2d middle(0.5 * (calibration.width - 1), 0.5 * (calibration.height - 1));
   const auto centre = world_from_pixel(calibration, middle, calibration.tag_height);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Eigen/Core>
+
 #include <optional>
 
 #include "core/geometry/pose.h"
@@ -21,6 +23,9 @@ struct TagOnPlane {
 /// an angle; and a fit in the plane has one answer, where a tag's 3-D pose flips between two when it is parallel to the
 /// picture. None where a corner cannot be placed on the plane.
 std::optional<TagOnPlane> place_on_plane(const Calibration& calibration, const Corners& corners);
+
+/// The corners' mean in the picture [px].
+Eigen::Vector2d middle_of(const Corners& corners);
 
 /// The edge of a tag in the middle of the image. 0 without a world frame. [px]
 double tag_edge_px(const Calibration& calibration);

@@ -110,20 +110,20 @@ const TrackerCounters& TagTracker::counters() const {
   return parts_->counters;
 }
 
-std::optional<double> TrackerParts::usual(double WantedTag::*mean) const {
+std::optional<double> TrackerParts::usual(double WantedTag::*mean, bool (WantedTag::*known)() const) const {
   std::vector<double> usual;
   for (const WantedTag& tag : wanted)
-    if (tag.stretches >= WantedTag::enough_stretches) usual.push_back(tag.*mean);
+    if ((tag.*known)()) usual.push_back(tag.*mean);
   if (usual.empty()) return {};
   return core::median_of(usual);
 }
 
 std::optional<double> TagTracker::stretch() const {
-  return parts_->usual(&WantedTag::usual_stretch);
+  return parts_->usual(&WantedTag::usual_stretch, &WantedTag::has_true_scale);
 }
 
 std::optional<double> TagTracker::blur() const {
-  return parts_->usual(&WantedTag::usual_blur);
+  return parts_->usual(&WantedTag::usual_blur, &WantedTag::has_usual);
 }
 
 std::optional<ScaleChange> TagTracker::scale_change() const {
@@ -309,12 +309,10 @@ void TrackerParts::accept(WantedTag& tag, const Frame& frame, const detail::Fit&
 /// Whether the newest fit shows the tag nearer to the camera, or farther from it, than the seconds before did. What
 /// stays so for long is no hand, and becomes what is usual.
 bool WantedTag::lifted(double tolerance) noexcept {
-  constexpr int remembered = 100, of_blur = 25, long_enough = 250;  // [frames]
-  const bool unusual =
-      stretches >= enough_stretches && std::abs(*stretch - usual_stretch) > tolerance + deviations * stretch_sigma;
+  constexpr int long_enough = 250;  // [frames]
+  const bool unusual = has_usual() && std::abs(*stretch - usual_stretch) > tolerance + deviations * stretch_sigma;
   off_stretch = unusual ? off_stretch + 1 : 0;
   if (unusual && off_stretch < long_enough) return true;
-  if (clipped) return false;
   if (unusual) stretches = 0;
   stretches = std::min(stretches + 1, remembered);
   usual_stretch += (*stretch - usual_stretch) / stretches;
@@ -328,30 +326,30 @@ void TrackerParts::reject(std::int64_t& reason) {
   ++counters.rejected;
 }
 
+namespace {
+
 /// Whether the tag's paper is as bright as the camera can show: its edges then seem to lie inside the ink.
 bool paper_is_clipped(const Frame& frame, const Corners& corners) {
   constexpr int brightest = 250;
   constexpr double paper = 4.5 / 4.0;  // half a module outside the black frame, from the middle of the tag
-  Eigen::Vector2d middle(0.0, 0.0);
-  for (const auto& corner : corners) middle += 0.25 * Eigen::Vector2d(corner[0], corner[1]);
+  const Eigen::Vector2d middle = middle_of(corners);
   int bright = 0;
   for (std::size_t k = 0; k < 4; ++k) {
     const auto &a = corners[k], &b = corners[(k + 1) % 4];
-    const Eigen::Vector2d side(0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1]));
-    const Eigen::Vector2d at = middle + paper * (side - middle);
-    const int u = static_cast<int>(std::lround(at.x())), v = static_cast<int>(std::lround(at.y()));
+    const auto u = std::lround(std::lerp(middle.x(), 0.5 * (a[0] + b[0]), paper));
+    const auto v = std::lround(std::lerp(middle.y(), 0.5 * (a[1] + b[1]), paper));
     if (u < 0 || v < 0 || u >= frame.width || v >= frame.height) continue;
-    bright += frame.row(v)[u] >= brightest ? 1 : 0;
+    bright += frame.row(static_cast<int>(v))[u] >= brightest ? 1 : 0;
   }
   return bright >= 2;
 }
 
+}  // namespace
+
 /// Whether all tags look larger or smaller at once, by the same part.
 void TrackerParts::compare_scales() {
   constexpr double agreement = 0.004;
-  const auto tells = [](const WantedTag& tag) {
-    return tag.found && tag.stretch && !tag.clipped && tag.stretches >= WantedTag::enough_stretches;
-  };
+  const auto tells = [](const WantedTag& tag) { return tag.found && tag.stretch && tag.has_true_scale(); };
   scale_change.reset();
   changes.clear();
   for (const WantedTag& tag : wanted)
@@ -368,7 +366,9 @@ void TrackerParts::compare_scales() {
 /// A tag that seems larger than all the others is nearer to the camera than they are: it is held up.
 void TrackerParts::compare_shapes(const Frame& frame) {
   for (WantedTag& tag : wanted)
-    if (tag.found && tag.stretch) tag.clipped = paper_is_clipped(frame, tag.pose.corners);
+    if (tag.found && tag.stretch)
+      tag.unclipped =
+          paper_is_clipped(frame, tag.pose.corners) ? 0 : std::min(tag.unclipped + 1, WantedTag::remembered);
   compare_scales();
   stretches.clear();
   for (WantedTag& tag : wanted) {

@@ -34,6 +34,8 @@ struct WantedTag {
   double usual_blur = 0.0;     // likewise, of fewer [px]
   int stretches = 0;           // number of fits in the first of these, limited
   int off_stretch = 0;         // frames in a row in which the stretch was unusual
+  int unclipped = remembered;  // frames in which it was found since its paper was as bright as the camera can show,
+                               // limited: until then its stretch is wrong, and so is the usual one
 
   // of this frame
   bool found = false;
@@ -44,13 +46,15 @@ struct WantedTag {
   std::optional<double> stretch;        // of its fit
   double stretch_sigma = 0.0;
   double blur_px = 0.0;
-  bool clipped = false;  // its paper is as bright as the camera can show
-  bool off = false;      // its stretch is not the usual one: it is not reported
+  bool off = false;  // its stretch is not the usual one: it is not reported
 
   WantedTag(int id, const detail::TagPattern& pattern) : tag(id), model(pattern) {}
   bool missing() const { return !found && !ghost && !elsewhere; }
   bool lifted(double tolerance) noexcept;
-  static constexpr int enough_stretches = 25;  // to know what is usual [frames]
+  bool has_usual() const { return stretches >= enough; }
+  bool has_true_scale() const { return has_usual() && unclipped >= remembered; }
+  // For the moving means [frames]: needed; in that of the stretch, at most; in that of the blur.
+  static constexpr int enough = 25, remembered = 100, of_blur = 25;
 };
 
 /// The tracker's state and its stages.
@@ -104,7 +108,8 @@ struct TrackerParts {
   void compare_scales();
   void conclude(const Frame& frame);
 
-  std::optional<double> usual(double WantedTag::*mean) const;  // the median over those that were seen often enough
+  // The median over those whose mean is known.
+  std::optional<double> usual(double WantedTag::*mean, bool (WantedTag::*known)() const) const;
   double seen_at(const Frame& frame, const Corners& corners) const;
   core::Pose predict(const WantedTag& tag, double captured_at) const;
   bool missing() const;

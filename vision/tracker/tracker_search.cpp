@@ -45,13 +45,9 @@ constexpr double detector_tolerance = 0.25;
 constexpr double most_likeness = 0.97;
 constexpr double least_of_tiny = 0.85;
 
-Gate::Place middle_of(const Corners& corners) {
-  Gate::Place middle;
-  for (const auto& corner : corners) {
-    middle.u += corner[0] / 4.0;
-    middle.v += corner[1] / 4.0;
-  }
-  return middle;
+Gate::Place place_of(const Corners& corners) {
+  const Eigen::Vector2d middle = middle_of(corners);
+  return {middle.x(), middle.y()};
 }
 
 double distance(const Gate::Place& a, const Gate::Place& b) {
@@ -85,7 +81,7 @@ int TrackerParts::detector_threshold() const {
 void TrackerParts::list_known() {
   known.clear();
   for (const WantedTag& tag : wanted)
-    if (tag.found) known.push_back({middle_of(tag.pose.corners), beside * tag.edge_px});
+    if (tag.found) known.push_back({place_of(tag.pose.corners), beside * tag.edge_px});
 }
 
 /// A tag that another camera sees may be in this picture too, or enter it: it is fitted where that camera sees it, and
@@ -152,7 +148,7 @@ void TrackerParts::consider(WantedTag& tag, const Frame& frame, const Detection&
   }
   const double seen_edge_px = place->edge / place->metres_per_px;
   if (tag.found) {
-    if (distance(middle_of(tag.pose.corners), middle_of(detection.corners)) > 0.5 * seen_edge_px) tag.ghost = true;
+    if (distance(place_of(tag.pose.corners), place_of(detection.corners)) > 0.5 * seen_edge_px) tag.ghost = true;
     return;
   }
   const double off = std::abs(place->edge / calibration.tag_size - 1.0);
