@@ -110,10 +110,10 @@ const TrackerCounters& TagTracker::counters() const {
   return parts_->counters;
 }
 
-std::optional<double> TrackerParts::usual(double WantedTag::*mean, bool (WantedTag::*known)() const) const {
+std::optional<double> TrackerParts::usual(double WantedTag::*mean, bool (WantedTag::*is_known)() const) const {
   std::vector<double> usual;
   for (const WantedTag& tag : wanted)
-    if ((tag.*known)()) usual.push_back(tag.*mean);
+    if ((tag.*is_known)()) usual.push_back(tag.*mean);
   if (usual.empty()) return {};
   return core::median_of(usual);
 }

@@ -9,6 +9,7 @@
 #include "vision/fit/photometric_fit.h"
 #include "vision/frames/frame.h"
 #include "vision/tags/detection.h"
+#include "vision/tags/scale_change.h"
 #include "vision/tags/tag_pose.h"
 #include "vision/tracker/gate.h"
 #include "vision/tracker/tracker_options.h"
@@ -109,7 +110,7 @@ struct TrackerParts {
   void conclude(const Frame& frame);
 
   // The median over those whose mean is known.
-  std::optional<double> usual(double WantedTag::*mean, bool (WantedTag::*known)() const) const;
+  std::optional<double> usual(double WantedTag::*mean, bool (WantedTag::*is_known)() const) const;
   double seen_at(const Frame& frame, const Corners& corners) const;
   core::Pose predict(const WantedTag& tag, double captured_at) const;
   bool missing() const;
