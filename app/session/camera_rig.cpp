@@ -175,7 +175,8 @@ CameraRig::CameraRig(const Experiment& experiment, std::size_t number, SessionCl
       absences_(experiment.robots.size()),
       mark_watch_(calibration_, wanted_tags(experiment)),
       scale_watch_(calibration_),
-      rate_watch_(experiment.rate) {
+      rate_watch_(experiment.rate),
+      stamp_watch_(experiment.estimation.bridge) {
   why_lost_.resize(experiment.robots.size());
   marks_.watched = mark_watch_.marks() >= vision::MarkWatch::least_seen;
   marks_.known = !marks_.watched;
@@ -244,10 +245,13 @@ vision::SourceStatus CameraRig::camera() const {
   }
   vision::SourceStatus status = source_ ? source_->status() : vision::SourceStatus{};
   const std::int64_t freezes = freezes_.load(std::memory_order_acquire);
-  if (freezes == 0) return status;
   status.outages += freezes;
   if (frozen_.load(std::memory_order_acquire)) status.up = false;
-  if (status.reason.empty() || !status.up) status.reason = frozen_reason;
+  if (freezes > 0 && (status.reason.empty() || !status.up)) status.reason = frozen_reason;
+  const std::lock_guard lock(absence_mutex_);
+  if (unusable_.empty()) return status;
+  status.up = false;
+  status.reason = unusable_;
   return status;
 }
 
@@ -411,10 +415,7 @@ std::vector<UnseenTag> CameraRig::why_not_seen() {
   }
   const Question question = answer_;
   lock.unlock();
-  if (question.frame.width != calibration_.width || question.frame.height != calibration_.height)
-    return {{.sentence =
-                 fmt::format("the camera's frames are {}x{} px, but the calibration holds for {}x{}",
-                             question.frame.width, question.frame.height, calibration_.width, calibration_.height)}};
+  if (!fits(question.frame)) return {{.sentence = size_sentence(question.frame)}};
   std::vector<UnseenTag> unseen;
   for (const vision::TagDiagnosis& tag : vision::diagnose(question.frame, calibration_, question.missing))
     unseen.push_back(unseen_tag(question.frame, tag));
@@ -468,7 +469,7 @@ void CameraRig::explain_absences() {
 }
 
 void CameraRig::explain(const vision::Frame& frame, std::span<const vision::MissingTag> missing) {
-  if (frame.width != calibration_.width || frame.height != calibration_.height) return;
+  if (!fits(frame)) return;
   std::vector<UnseenTag> unseen;
   for (const vision::TagDiagnosis& tag : vision::diagnose(frame, calibration_, missing))
     unseen.push_back(unseen_tag(frame, tag));
@@ -491,9 +492,7 @@ std::vector<UnseenTag> CameraRig::why_lost() const {
 
 /// Now and then, and soon again where a sight is to be confirmed.
 void CameraRig::watch_marks() {
-  if (!marks_.watched || frame_.captured_at < next_look_.load(std::memory_order_acquire) ||
-      frame_.width != calibration_.width || frame_.height != calibration_.height)
-    return;
+  if (!marks_.watched || !fits_ || frame_.captured_at < next_look_.load(std::memory_order_acquire)) return;
   // The first ones, on which a start waits, are not left to a thread that a busy machine lets wait: robots still stand.
   constexpr int most_own_looks = 4;
   if (!clock_.wall() || (marks().sentence.empty() && own_looks_++ < most_own_looks)) return look_at_marks(frame_);
@@ -593,6 +592,27 @@ std::vector<std::string> CameraRig::alarms() {
   return std::exchange(alarms_, {});
 }
 
+bool CameraRig::fits(const vision::Frame& frame) const {
+  return frame.width == calibration_.width && frame.height == calibration_.height;
+}
+
+std::string CameraRig::size_sentence(const vision::Frame& frame) const {
+  return fmt::format("the camera's frames are {}x{} px, but the calibration holds for {}x{}", frame.width, frame.height,
+                     calibration_.width, calibration_.height);
+}
+
+/// Frames of another size show nothing, and robots do not drive by poses that are too old, whatever the reason.
+void CameraRig::judge_frame() {
+  const bool changed = stamp_watch_.update(frame_.captured_at, seen_.times.arrived_at);
+  const bool fitted = std::exchange(fits_, fits(frame_));
+  if (!changed && fits_ == fitted) return;
+  const std::lock_guard lock(absence_mutex_);
+  const std::string before = std::exchange(unusable_, fits_ ? stamp_watch_.fault() : size_sentence(frame_));
+  if (before == unusable_ || experiment_.cameras() > 1) return;  // Cameras tells it of each
+  alarms_.push_back(unusable_.empty() ? std::string("the camera's frames can be used again")
+                                      : fmt::format("the camera's frames cannot be used: {}: robots stand", unusable_));
+}
+
 /// The picture is the last one's, with another time stamp: nothing is known of where the robots are now. Films and
 /// pictures may repeat frames, and compressed ones show the same to the bit while nothing moves.
 bool CameraRig::repeats() {
@@ -611,6 +631,7 @@ bool CameraRig::repeats() {
 }
 
 void CameraRig::work_off() {
+  judge_frame();
   if (repeats()) {
     const std::lock_guard lock(film_mutex_);
     return film_frame(repeated_note);

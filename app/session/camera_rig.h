@@ -30,6 +30,7 @@
 #include "vision/diagnosis/rate_watch.h"
 #include "vision/diagnosis/repeat_watch.h"
 #include "vision/diagnosis/scale_watch.h"
+#include "vision/diagnosis/stamp_watch.h"
 #include "vision/diagnosis/tag_absence.h"
 #include "vision/frames/frame_source.h"
 #include "vision/recording/recorder.h"
@@ -136,6 +137,9 @@ class CameraRig {
   void poses_at_their_rows(double first_row);
   bool receive();
   void work_off();
+  bool fits(const vision::Frame& frame) const;
+  std::string size_sentence(const vision::Frame& frame) const;
+  void judge_frame();
   bool repeats();
   void answer_question();
   void explain_absences();
@@ -206,6 +210,8 @@ class CameraRig {
   vision::FocusWatch focus_watch_;
   vision::RateWatch rate_watch_;
   vision::RepeatWatch repeat_watch_;
+  vision::StampWatch stamp_watch_;
+  bool fits_ = true;                      // the last frame is of the calibration's size
   std::vector<std::uint8_t> still_;       // for practice: the picture that is repeated
   std::atomic<std::int64_t> freezes_{0};  // times that the picture was frozen
   std::atomic<bool> frozen_{false};       // it is
@@ -217,6 +223,7 @@ class CameraRig {
   std::optional<Question> absence_;
   std::optional<vision::Frame> floor_;  // to be searched for the marks
   std::vector<std::string> alarms_;
+  std::string unusable_;             // why no robot can drive by this camera's frames; empty: it can
   std::vector<UnseenTag> why_lost_;  // by robot
   MarksStatus marks_;
   std::optional<events::CameraMoved> scaled_;  // all tags look larger or smaller at once

@@ -35,7 +35,8 @@ Check camera(const Experiment& e, const std::string& down, const MarksStatus& ma
     if (!file.empty() && !std::filesystem::exists(file))
       return {What::camera, State::fails, fmt::format("{}there is no {}", prefix, file), real};
   }
-  if (!down.empty()) return {What::camera, State::fails, fmt::format("{}; the start waits for it", down), true};
+  // No calibration helps a camera that delivers nothing.
+  if (!down.empty()) return {What::camera, State::fails, fmt::format("{}; the start waits for it", down), true, false};
   if (marks.moved)
     return {What::camera, State::fails, camera_moved_sentence(e, *marks.moved, "no robot drives"),
             e.failure.camera_moved == FailureSpec::CameraMoved::all_stop};
@@ -96,7 +97,7 @@ Check tags(const Experiment& e, const TickRecord* record, std::span<const Unseen
   ids.reserve(unseen.size());
   for (const std::size_t i : unseen) ids.push_back(e.robots[i].tag);
   if (!ids.empty() && camera_down && e.cameras() == 1)
-    reasons += fmt::format("{}{}: the camera delivers no new picture", reasons.empty() ? "" : "; ", numbers(unseen));
+    reasons += fmt::format("{}{}: the camera delivers no picture that can be used", reasons.empty() ? "" : "; ", numbers(unseen));
   else if (!ids.empty())
     reasons += fmt::format("{}{}: no tag {} in the picture", reasons.empty() ? "" : "; ", numbers(unseen),
                            fmt::join(ids, ", "));

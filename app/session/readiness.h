@@ -23,6 +23,7 @@ struct Check {
   State state;
   std::string reason;  ///< the reason in words; if the check holds, the finding
   bool hard;           ///< required for a start; an operator may override soft checks
+  bool button = true;  ///< if it fails, the window has a button that helps
 
   bool holds() const noexcept {
     switch (state) {

@@ -188,6 +188,17 @@ TEST_F(Checks, ACameraThatMovedOffItsMarksIsCalibratedByThem) {
   delete find("calibration_dialog");
 }
 
+TEST_F(Checks, NobodyIsSentToCalibrateACameraThatIsFrozen) {
+  auto frozen = app::load_experiment(skein::test::in_source("resources/experiments/platoon.toml"),
+                                     {"camera.source=synthetic", "camera.freeze_at=0.5"});
+  ASSERT_TRUE(frozen.has_value());
+  open_and_wait(*frozen);
+  auto* reason = find<QLabel>("check_camera");
+  ASSERT_TRUE(eventually([&] { return reason->text().contains(QStringLiteral("the same picture again and again")); }))
+      << reason->text().toStdString();
+  EXPECT_FALSE(find<QPushButton>("mend_camera")->isVisible());
+}
+
 /// Robots in their places, with tags of 40 mm under a camera that is calibrated for 60 mm; all in one folder.
 class TagsOfAnotherSize : public Checks {
  protected:

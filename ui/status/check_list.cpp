@@ -283,7 +283,7 @@ void CheckList::dress() {
       row.reason->setText(reason);
       row.reason->setToolTip(reason);
     }
-    row.mend->setVisible(fails);
+    row.mend->setVisible(fails && check.button);
     const bool is_folded = !all_lines && check.state == State::holds;
     show_line(row, !is_folded);
     if (is_folded) ++folded;

@@ -22,9 +22,12 @@ std::string ScaleWatch::update(double t, std::optional<double> stretch) {
 
 std::string ScaleWatch::update_change(double t, const std::optional<ScaleChange>& change) {
   const double by = change ? std::abs(change->by) : 0.0;
-  const bool moves = change && change->tags >= 3 && by > moved_from;
-  if (!moves) moved_.reset();
-  if (move_.update(t, moves)) moved_ = change;
+  const bool large = by > moved_from;
+  const bool many = large && change->tags >= 3, pair = large && !many && keeps(*change);
+  if (!large) pair_.reset();
+  if (!many && !pair) moved_.reset();
+  const bool many_have = move_.update(t, many), pair_has = still_.update(t, pair);
+  if (many_have || pair_has) moved_ = change;
   if (!change_.update(t, by > steady) || moved_) return {};
   return fmt::format(
       "all {} tags look {:.1f} % {} than a few seconds before: the camera hangs {}, or its zoom or focus has changed. "
@@ -32,6 +35,13 @@ std::string ScaleWatch::update_change(double t, const std::optional<ScaleChange>
       "themselves were {}",
       change->tags, 100.0 * by, change->by > 0.0 ? "larger" : "smaller", change->by > 0.0 ? "lower" : "higher",
       change->by > 0.0 ? "lifted" : "put down");
+}
+
+/// Whether a change that two tags show is the one that they showed first.
+bool ScaleWatch::keeps(const ScaleChange& change) {
+  const bool same = pair_ && std::abs(change.by - *pair_) < same_change;
+  if (!same) pair_ = change.by;
+  return same;
 }
 
 }  // namespace skein::vision

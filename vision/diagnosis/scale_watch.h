@@ -21,8 +21,11 @@ class ScaleWatch {
   /// A change of all tags' size at once is reported from this on, ...
   static constexpr double steady = 0.005;
   /// ... and from this on, where three tags or more show it, the camera counts as moved: the tracker does not report
-  /// tags that change as much (TrackerOptions::lift_tolerance).
+  /// tags that change as much (TrackerOptions::lift_tolerance). Two robots may be lifted with two hands: of two tags
+  /// the change must stay the same for a second, ...
   static constexpr double moved_from = 0.012;
+  /// ... to this: 7 mm of height under a camera at 2.4 m, which hands do not keep.
+  static constexpr double same_change = 0.003;
 
   explicit ScaleWatch(const Calibration& calibration) : calibration_(calibration) {}
 
@@ -36,9 +39,12 @@ class ScaleWatch {
   const std::optional<ScaleChange>& moved() const { return moved_; }
 
  private:
+  bool keeps(const ScaleChange& change);
+
   Calibration calibration_;
   LastingFault fault_;
-  LastingFault change_{0.4}, move_{0.1};  // [s]
+  LastingFault change_{0.4}, move_{0.1}, still_{1.0};  // [s]
+  std::optional<double> pair_;                         // the change that two tags showed first
   std::optional<ScaleChange> moved_;
 };
 

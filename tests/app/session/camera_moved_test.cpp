@@ -93,6 +93,31 @@ TEST(CameraMoved, ACameraThatIsRaisedStopsTheRobotsAndTheOperatorIsToldWhy) {
   EXPECT_LE(run.sink.rows.back().now, bump_time + 0.3);
 }
 
+/// Two robots that drive to and fro on a line each.
+Experiment bumped_pair(const Sets& more) {
+  const std::string pair =
+      "[reference]\nkind = \"independent\"\n"
+      "[[robot]]\ntag = 1\n"
+      "trajectory = { path = { shape = \"line\", from = [-0.3, 0.3], to = [0.3, 0.3] }, speed = 0.08 }\n"
+      "[[robot]]\ntag = 2\n"
+      "trajectory = { path = { shape = \"line\", from = [0.4, -0.3], to = [-0.4, -0.3] }, speed = 0.08 }\n";
+  Sets sets{"camera.source=synthetic", "camera.bump_at=3", "camera.bump=0", "duration=6"};
+  sets.insert(sets.end(), more.begin(), more.end());
+  return good(pair, sets);
+}
+
+TEST(CameraMoved, ACameraThatIsRaisedIsKnownByTwoRobotsAlone) {
+  for (const char* raise : {"camera.raise=0.05", "camera.raise=-0.05"}) {
+    const BumpedRun run(bumped_pair({raise}));
+    EXPECT_EQ(run.end, Phase::stopped) << raise;
+    EXPECT_THAT(run.failure, HasSubstr("all 2 tags look 2."));
+    EXPECT_EQ(run.sink.count<events::CameraMoved>(), 1);
+    ASSERT_FALSE(run.sink.rows.empty());
+    EXPECT_LE(run.sink.rows.back().now, bump_time + 1.3);
+    test::expect_stop(run.sink.rows.back());
+  }
+}
+
 TEST(CameraMoved, OneThatSlipsByAFewMillimetresIsToldAndTheRunGoesOn) {
   const BumpedRun run(bumped_platoon({"camera.bump=0", "camera.raise=-0.016"}));
   EXPECT_EQ(run.end, Phase::finished);
@@ -148,6 +173,18 @@ TEST(CameraMoved, OfOneRobotAloneNobodyKnowsAndAKidnapIsSaid) {
   EXPECT_EQ(run.end, Phase::finished);
   EXPECT_FALSE(run.sink.has<events::CameraMoved>());
   EXPECT_TRUE(run.sink.has<events::Kidnap>());
+}
+
+TEST(CameraMoved, OfOneRobotAloneThatLooksSmallerBothReasonsAreSaid) {
+  const std::string one =
+      "[reference]\nkind = \"independent\"\n[[robot]]\ntag = 1\n"
+      "trajectory = { path = { shape = \"line\", from = [-0.3, 0.0], to = [0.3, 0.0] }, speed = 0.08 }\n";
+  const BumpedRun run(
+      good(one, {"camera.source=synthetic", "camera.bump_at=3", "camera.bump=0", "camera.raise=0.05", "duration=6"}));
+  EXPECT_EQ(run.end, Phase::finished);
+  EXPECT_TRUE(run.sink.rows.back().robots[0].is(lost)) << "and stands";
+  EXPECT_EQ(run.sink.rows.back().robots[0].wheels.left, 0.0);
+  EXPECT_THAT(run.told, Contains(HasSubstr("or the camera or its zoom has moved")));
 }
 
 }  // namespace

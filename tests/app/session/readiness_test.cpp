@@ -169,7 +169,7 @@ TEST_F(Readiness, WhatIsKnownOfATagThatIsNotAcceptedIsTheReason) {
                                        {}}};
   EXPECT_EQ(tags(both).reason, "robot 2: tag 2 is there, but its edge is 40 mm; robot 3: likewise") << "once for all";
   experiment.camera.source = "synthetic";
-  EXPECT_EQ(tags({.down = "it is frozen"}).reason, "robots 2, 3: the camera delivers no new picture");
+  EXPECT_EQ(tags({.down = "it is frozen"}).reason, "robots 2, 3: the camera delivers no picture that can be used");
 }
 
 TEST(FittingTagSize, IsThatOfAllTagsThatAreThereWhereNoRobotIsSeen) {
@@ -203,6 +203,16 @@ TEST_F(Readiness, AutomaticsOfACameraMayBeOverruled) {
   EXPECT_EQ(settings().state, Check::State::holds);
   camera.down = "unplugged";
   EXPECT_EQ(settings().state, Check::State::waits);
+}
+
+TEST_F(Readiness, ACameraThatDeliversNothingIsNotToBeCalibrated) {
+  experiment.camera.source = "synthetic";
+  const Check camera = readiness(experiment, &certificate, &look(), robots, {.down = "it is frozen"}).front();
+  EXPECT_EQ(camera.state, Check::State::fails);
+  EXPECT_EQ(camera.reason, "it is frozen; the start waits for it");
+  EXPECT_FALSE(camera.button);
+  const CameraStatus bumped{.marks = {.moved = events::CameraMoved{.by = 0.041, .marks = 6}}};
+  EXPECT_TRUE(readiness(experiment, &certificate, &look(), robots, bumped).front().button) << "the control";
 }
 
 TEST_F(Readiness, ARealCameraNeedsItsCalibration) {

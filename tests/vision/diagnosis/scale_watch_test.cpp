@@ -10,15 +10,18 @@
 namespace skein::vision {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-/// Four robots that drive circles under a camera, seen by a tracker whose calibration may say something else.
+/// Robots that drive circles under a camera, seen by a tracker whose calibration may say something else.
 struct DrivingTags {
+  int robots = 4;
   Calibration truth = overhead_calibration(2.0, 1.5), believed = truth;
   std::uint64_t seed = 5;
   double raise = 0.0;  // of the camera, after 2 s [m]
   double lift = 0.0;   // of the first robot, after 2 s [m]
+  double rise = 0.0;   // and how fast it goes on [m/s]
   int lifts = 1;       // so many of them are
   double light = 1.0;  // after 2 s, of what it was
   bool moved = false;  // ScaleWatch::moved, at any time
@@ -38,12 +41,12 @@ struct DrivingTags {
       }
       const double t = k / 25.0, turned = 0.4 * t + static_cast<double>(seed);
       std::vector<SyntheticTag> tags;
-      for (int i = 0; i < 4; ++i) {
+      for (int i = 0; i < robots; ++i) {
         const double x = i % 2 == 0 ? -0.45 : 0.45, y = i < 2 ? -0.3 : 0.3;
         tags.push_back({.tag = i + 1,
                         .pose = {x + 0.2 * std::cos(turned + i), y + 0.2 * std::sin(turned + i), turned + i + 1.57},
                         .size = truth.tag_size,
-                        .lifted = i < lifts && k >= 50 ? lift : 0.0});
+                        .lifted = i < lifts && k >= 50 ? lift + rise * (t - 2.0) : 0.0});
       }
       camera.render(tags, {}, t, frame);
       if (k >= 50 && light != 1.0)
@@ -120,6 +123,26 @@ TEST(ScaleWatch, ARobotThatIsLiftedIsNoCameraThatMoved) {
   DrivingTags tags;
   tags.lift = 0.05;
   EXPECT_THAT(tags.told(5.0), IsEmpty());
+  EXPECT_FALSE(tags.moved);
+}
+
+TEST(ScaleWatch, ACameraThatIsRaisedHasMovedAlsoForTwoTags) {
+  for (const double raise : {0.05, -0.05}) {
+    DrivingTags tags;
+    tags.robots = 2;
+    tags.raise = raise;
+    EXPECT_THAT(tags.told(4.0), ElementsAre(HasSubstr("all 2 tags look"))) << "before it is known that it lasts";
+    EXPECT_TRUE(tags.moved);
+  }
+}
+
+TEST(ScaleWatch, TwoRobotsThatTwoHandsLiftAreNoCameraThatMoved) {
+  DrivingTags tags;
+  tags.robots = 2;
+  tags.lifts = 2;
+  tags.lift = 0.035;
+  tags.rise = 0.015;
+  EXPECT_THAT(tags.told(6.0), ElementsAre(HasSubstr("unless the robots themselves were lifted")));
   EXPECT_FALSE(tags.moved);
 }
 

@@ -1,0 +1,73 @@
+// Time stamps that make every pose too old to drive by.
+#include "vision/diagnosis/stamp_watch.h"
+
+#include <gmock/gmock.h>
+
+namespace skein::vision {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+/// Frames that arrive every 40 ms, 10 ms after their capture.
+struct StampedCamera {
+  StampWatch watch{0.2};
+  double t = 10.0;
+  int changes = 0;
+
+  void frames(int count, double set_back = 0.0) {
+    for (int k = 0; k < count; ++k) {
+      t += 0.04;
+      changes += watch.update(t - 0.01 - set_back, t) ? 1 : 0;
+    }
+  }
+};
+
+TEST(StampWatch, SaysNothingOfFramesThatAreInTime) {
+  StampedCamera camera;
+  camera.frames(100);
+  EXPECT_EQ(camera.changes, 0);
+  EXPECT_THAT(camera.watch.fault(), IsEmpty());
+}
+
+TEST(StampWatch, KnowsStampsThatStandStill) {
+  StampedCamera camera;
+  camera.frames(10);
+  const double stamp = camera.t;
+  for (int k = 0; k < 6; ++k) camera.watch.update(stamp, camera.t += 0.04);
+  EXPECT_THAT(camera.watch.fault(), IsEmpty()) << "for a moment";
+  camera.watch.update(stamp, camera.t += 0.04);
+  EXPECT_THAT(camera.watch.fault(), HasSubstr("do not advance"));
+  camera.frames(1);
+  EXPECT_THAT(camera.watch.fault(), IsEmpty());
+}
+
+TEST(StampWatch, KnowsStampsThatWereSetBack) {
+  StampedCamera camera;
+  camera.frames(10);
+  camera.frames(100, 1.0);
+  EXPECT_THAT(camera.watch.fault(), HasSubstr("set back"));
+  EXPECT_EQ(camera.changes, 1) << "once";
+  camera.frames(10);
+  EXPECT_EQ(camera.changes, 2);
+  EXPECT_THAT(camera.watch.fault(), IsEmpty());
+}
+
+TEST(StampWatch, KnowsFramesThatComeTooLateFromTheFirstOn) {
+  StampedCamera camera;
+  camera.frames(20, 0.3);
+  EXPECT_THAT(camera.watch.fault(), HasSubstr("0.31 s old when they arrive"));
+  EXPECT_THAT(camera.watch.fault(), HasSubstr("estimation.bridge is 0.2 s"));
+}
+
+TEST(StampWatch, SingleLateFramesAreNoMatter) {
+  StampedCamera camera;
+  for (int k = 0; k < 20; ++k) {
+    camera.frames(3, 0.3);
+    camera.frames(1);
+  }
+  EXPECT_EQ(camera.changes, 0);
+}
+
+}  // namespace
+}  // namespace skein::vision

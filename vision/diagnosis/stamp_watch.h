@@ -1,0 +1,31 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+namespace skein::vision {
+
+/// A camera whose time stamps make every pose too old to drive by, however good its pictures are: stamps that stand
+/// still or were set back, a `camera.latency` that is too large, a camera that needs this long. Without this the robots
+/// would stand for no reason that anybody could see. Times are those of one clock [s]; for one thread.
+class StampWatch {
+ public:
+  /// It counts as a fault when no stamp has been well for longer than this. [s]
+  static constexpr double patience = 0.25;
+
+  /// `oldest`: poses that are older stop their robots. [s]
+  explicit StampWatch(double oldest) : oldest_(oldest) {}
+
+  /// A frame by its stamp, and when it arrived. true: `fault` has begun or ended.
+  bool update(double captured_at, double arrived_at);
+  /// A sentence without a full stop, for people: "its time stamps do not advance"; empty: none.
+  const std::string& fault() const noexcept { return fault_; }
+
+ private:
+  double oldest_;
+  std::optional<double> newest_;   // of all stamps
+  std::optional<double> well_at_;  // when the last good one arrived
+  std::string fault_;
+};
+
+}  // namespace skein::vision
