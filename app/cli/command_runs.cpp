@@ -81,7 +81,9 @@ const std::vector<std::string> usual_keys{"state",        "experiment.seed", "co
                                           "min_distance", "final_error",     "megabytes"};
 
 tl::expected<RunIndex, std::string> open_index(const RunsRequest& request) {
-  auto index = runs_directory(request.directory).and_then(RunIndex::open);
+  auto index = runs_directory(request.directory).and_then([](const std::string& directory) {
+    return RunIndex::open(directory);
+  });
   if (index)
     for (const std::string& problem : index->problems()) complain(problem);
   return index;

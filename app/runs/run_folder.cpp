@@ -14,6 +14,7 @@
 #include <fstream>
 #include <limits>
 
+#include "app/experiment/text_file.h"
 #include "app/run/home.h"
 #include "app/runs/sha256.h"
 
@@ -56,6 +57,18 @@ std::uintmax_t bytes_of_run(const std::string& folder) {
   return bytes;
 }
 
+std::optional<std::uintmax_t> bytes_when_written(const nlohmann::ordered_json& story, std::uintmax_t story_bytes) {
+  const auto files = story.find("files");
+  if (files == story.end() || !files->is_object()) return {};
+  std::uintmax_t bytes = story_bytes;
+  for (const auto& file : *files) {
+    const auto size = file.is_object() ? file.find("bytes") : file.end();
+    if (size == file.end() || !size->is_number_unsigned()) return {};
+    bytes += size->get<std::uintmax_t>();
+  }
+  return bytes;
+}
+
 std::optional<std::string> little_room(const std::string& directory, std::uintmax_t least) {
   std::error_code error;
   fs::path place = fs::absolute(directory, error);
@@ -69,15 +82,15 @@ std::optional<std::string> little_room(const std::string& directory, std::uintma
 
 tl::expected<nlohmann::ordered_json, std::string> read_story(const std::string& folder) {
   const std::string path = (fs::path(folder) / run_files::story).string();
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return tl::unexpected(fmt::format("{}: cannot be opened: {}", path, std::strerror(errno)));
+  const auto text = read_text(path);
+  if (!text) return tl::unexpected(text.error().front().message());
   constexpr int deepest = 100;  // what is nested deeper cannot be written again: that recurses
   bool too_deep = false;
   const auto is_shallow = [&](int depth, nlohmann::ordered_json::parse_event_t, nlohmann::ordered_json&) {
     too_deep = too_deep || depth > deepest;
     return !too_deep;
   };
-  auto story = nlohmann::ordered_json::parse(file, is_shallow, false);
+  auto story = nlohmann::ordered_json::parse(*text, is_shallow, false);
   if (!story.is_object() || too_deep)
     return tl::unexpected(path + ": is not a JSON object, allowed: a file written by `skein run --keep`");
   return story;

@@ -40,6 +40,9 @@ std::vector<std::string> files_of_run(const std::string& folder);
 /// The room that the files of a run's folder take [bytes].
 std::uintmax_t bytes_of_run(const std::string& folder);
 
+/// The room that a run took when its run.json, of `story_bytes`, was written [bytes]; none: it does not say.
+std::optional<std::uintmax_t> bytes_when_written(const nlohmann::ordered_json& story, std::uintmax_t story_bytes);
+
 /// The run.json of a folder. The error is a sentence.
 tl::expected<nlohmann::ordered_json, std::string> read_story(const std::string& folder);
 

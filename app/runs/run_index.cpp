@@ -6,14 +6,21 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cctype>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
+#include <future>
 #include <set>
+#include <span>
 #include <stdexcept>
+#include <thread>
 #include <unordered_map>
 #include <utility>
 
+#include "app/experiment/text_file.h"
 #include "app/run/event.h"
 #include "app/runs/run_folder.h"
 
@@ -22,19 +29,37 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int schema_version = 4;
+constexpr int schema_version = 5;
 constexpr const char* schema =
     "CREATE TABLE run(number INTEGER PRIMARY KEY, id TEXT UNIQUE NOT NULL, changed INTEGER NOT NULL, size INTEGER NOT "
     "NULL, began INTEGER NOT NULL);"
     "CREATE INDEX run_by_time ON run(began, id);"
     "CREATE TABLE key(number INTEGER PRIMARY KEY, name TEXT UNIQUE NOT NULL);"
-    "CREATE TABLE fact(key INTEGER NOT NULL, run INTEGER NOT NULL, value, PRIMARY KEY(key, run)) WITHOUT ROWID;"
-    "CREATE INDEX fact_of_run ON fact(run);";
+    "CREATE TABLE fact(key INTEGER NOT NULL, run INTEGER NOT NULL, value, PRIMARY KEY(key, run)) WITHOUT ROWID;";
+
+/// The index cannot be written here, and may be sound all the same.
+struct Unwritable : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
 
 /// Throws what SQLite says.
 void check(sqlite3* database, int status) {
-  if (status != SQLITE_OK && status != SQLITE_DONE && status != SQLITE_ROW)
-    throw std::runtime_error(sqlite3_errmsg(database));
+  constexpr int primary = 0xff;  // of an extended result code
+  switch (status & primary) {
+    case SQLITE_OK:
+    case SQLITE_DONE:
+    case SQLITE_ROW:
+      return;
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+    case SQLITE_READONLY:
+    case SQLITE_PERM:
+    case SQLITE_CANTOPEN:
+    case SQLITE_FULL:
+      throw Unwritable(sqlite3_errmsg(database));
+    default:
+      throw std::runtime_error(sqlite3_errmsg(database));
+  }
 }
 
 class Statement {
@@ -97,10 +122,48 @@ struct Stamp {
   bool operator==(const Stamp&) const = default;
 };
 
+/// What is read of a run's folder.
+struct Reading {
+  std::string id;
+  Stamp stamp{};
+  std::int64_t began = 0;
+  std::map<std::string, RunIndex::Value> facts{};
+  std::string problem{};  // empty: it could be read
+};
+
+void read(const fs::path& directory, Reading& run) {
+  const std::string folder = (directory / run.id).string();
+  const auto story = read_story(folder);
+  if (!story) {
+    run.problem = story.error();
+    return;
+  }
+  run.began = began_at(*story).value_or(run.stamp.changed);
+  run.facts = run_facts(*story);
+  run.facts["id"] = run.id;  // a folder may have been given another name
+  const auto bytes = bytes_when_written(*story, static_cast<std::uintmax_t>(run.stamp.size));
+  run.facts["megabytes"] = std::round(static_cast<double>(bytes ? *bytes : bytes_of_run(folder)) / 1e5) / 10.0;
+}
+
+/// Reads these runs, on all processors.
+void read(const fs::path& directory, std::span<Reading> runs) {
+  std::atomic<std::size_t> next{0};
+  const auto work = [&] {
+    for (std::size_t i = next++; i < runs.size(); i = next++) read(directory, runs[i]);
+  };
+  constexpr std::size_t worth_a_thread = 50;  // runs
+  const std::size_t threads = std::min<std::size_t>(std::thread::hardware_concurrency(), runs.size() / worth_a_thread);
+  std::vector<std::future<void>> others;
+  for (std::size_t i = 1; i < threads; ++i) others.push_back(std::async(std::launch::async, work));
+  work();
+  for (std::future<void>& other : others) other.get();
+}
+
 }  // namespace
 
 struct RunIndex::State {
   std::string directory;
+  std::chrono::milliseconds patience{};
   sqlite3* database = nullptr;
   std::vector<std::string> problems;
   std::map<std::string, std::int64_t> key_numbers;
@@ -112,11 +175,29 @@ struct RunIndex::State {
   ~State() { sqlite3_close(database); }
   void execute(const char* sql) { check(database, sqlite3_exec(database, sql, nullptr, nullptr, nullptr)); }
 
-  /// Opens the file, or memory; what is no index of this version begins anew.
+  /// Opens the file, or memory.
   void open(const std::string& file) {
-    constexpr int patience_ms = 10'000;  // another program may be making the index
     check(database, sqlite3_open(file.c_str(), &database));
-    sqlite3_busy_timeout(database, patience_ms);
+    begin();
+  }
+
+  /// Opens a copy in memory of a file that cannot be written.
+  void open_copy(const std::string& file) {
+    sqlite3* source = nullptr;
+    const int opened = sqlite3_open_v2(file.c_str(), &source, SQLITE_OPEN_READONLY, nullptr);
+    const std::unique_ptr<sqlite3, int (*)(sqlite3*)> closed(source, sqlite3_close);
+    check(source, opened);
+    check(database, sqlite3_open(":memory:", &database));
+    sqlite3_backup* const copy = sqlite3_backup_init(database, "main", source, "main");
+    if (!copy) throw std::runtime_error(sqlite3_errmsg(database));
+    sqlite3_backup_step(copy, -1);
+    check(database, sqlite3_backup_finish(copy));
+    begin();
+  }
+
+  /// Begins a transaction; what is no index of this version is refused.
+  void begin() {
+    sqlite3_busy_timeout(database, static_cast<int>(patience.count()));
     execute("PRAGMA journal_mode = MEMORY; PRAGMA synchronous = OFF;");  // it may be thrown away
     execute("BEGIN IMMEDIATE");
     Statement version(database, "PRAGMA user_version");
@@ -141,11 +222,10 @@ struct RunIndex::State {
   auto ask(Ask&& of) {
     try {
       return of();
-    } catch (const std::exception&) {
-      const std::string file = (fs::path(directory) / ".index.sqlite").string();
+    } catch (const std::exception& found) {
+      const bool sound = dynamic_cast<const Unwritable*>(&found) != nullptr;  // another program has it, say
       close();
-      std::error_code ignored;
-      fs::remove(file, ignored);
+      if (std::error_code ignored; !sound) fs::remove(fs::path(directory) / ".index.sqlite", ignored);
     }
     open(":memory:");
     refresh();
@@ -161,8 +241,8 @@ struct RunIndex::State {
     return known->second = number.whole(0);
   }
 
-  /// The folders as they are now.
-  std::unordered_map<std::string, Stamp> folders() const {
+  /// The folders as they are now; those that may not be looked into are problems.
+  std::unordered_map<std::string, Stamp> folders() {
     std::unordered_map<std::string, Stamp> found;
     std::error_code error;
     fs::directory_iterator one(directory, error);
@@ -170,7 +250,12 @@ struct RunIndex::State {
     for (const fs::directory_iterator end; one != end; one.increment(error)) {
       if (error) throw std::runtime_error(fmt::format("{}: cannot be read: {}", directory, error.message()));
       struct stat status {};
-      if (::stat((one->path() / run_files::story).c_str(), &status) != 0) continue;
+      const fs::path story = one->path() / run_files::story;
+      if (::stat(story.c_str(), &status) != 0) {
+        if (errno == EACCES)
+          problems.push_back(fmt::format("{}: cannot be read: {}", story.string(), std::strerror(errno)));
+        continue;
+      }
       found[one->path().filename().string()] = {
           std::int64_t{status.st_mtim.tv_sec} * 1'000'000'000 + status.st_mtim.tv_nsec, status.st_size};
     }
@@ -191,31 +276,43 @@ struct RunIndex::State {
           gone.emplace_back(known.whole(0), known.text(1));
       }
     }
-    Statement forget_facts(database, "DELETE FROM fact WHERE run = ?"),
+    Statement forget_facts(database, "DELETE FROM fact WHERE key IN (SELECT number FROM key) AND run = ?"),
         forget(database, "DELETE FROM run WHERE number = ?");
     for (const auto& [number, id] : gone) {
       forget_facts.bind(1, number).run();
       forget.bind(1, number).run();
     }
-    Statement add_run(database, "INSERT INTO run(id, changed, size, began) VALUES(?, ?, ?, ?)"),
-        add_fact(database, "INSERT INTO fact(key, run, value) VALUES(?, ?, ?)");
-    for (const auto& [id, stamp] : found) {
-      const std::string folder = (fs::path(directory) / id).string();
-      const auto story = read_story(folder);
-      if (!story) {
-        problems.push_back(story.error());
-        if (newest_unread.id.empty() || stamp.changed > newest_unread.began) newest_unread = {id, stamp.changed};
-        continue;
-      }
-      const std::int64_t began = began_at(*story).value_or(stamp.changed);
-      add_run.bind(1, id).bind(2, stamp.changed).bind(3, stamp.size).bind(4, began).run();
-      const std::int64_t run = sqlite3_last_insert_rowid(database);
-      auto facts = run_facts(*story);
-      facts["id"] = id;  // a folder may have been given another name
-      facts["megabytes"] = std::round(static_cast<double>(bytes_of_run(folder)) / 1e5) / 10.0;
-      for (const auto& [key, value] : facts) add_fact.bind(1, key_number(key)).bind(2, run).bind(3, value).run();
+    std::vector<Reading> runs;
+    for (const auto& [id, stamp] : found) runs.push_back({id, stamp});
+    constexpr std::size_t most = 2000;  // in memory at a time
+    for (std::size_t i = 0; i < runs.size(); i += most) {
+      const std::span part = std::span(runs).subspan(i, std::min(most, runs.size() - i));
+      read(directory, part);
+      add(part);
     }
     execute("COMMIT");
+  }
+
+  /// Adds runs that have been read, and empties them. Their facts go in by the order of the table, which is much faster
+  /// than run after run.
+  void add(std::span<Reading> runs) {
+    Statement add_run(database, "INSERT INTO run(id, changed, size, began) VALUES(?, ?, ?, ?)"),
+        add_fact(database, "INSERT INTO fact(key, run, value) VALUES(?, ?, ?)");
+    std::map<std::int64_t, std::vector<std::pair<std::int64_t, Value>>> by_key;
+    for (Reading& run : runs) {
+      if (!run.problem.empty()) {
+        problems.push_back(std::move(run.problem));
+        if (newest_unread.id.empty() || run.stamp.changed > newest_unread.began)
+          newest_unread = {run.id, run.stamp.changed};
+        continue;
+      }
+      add_run.bind(1, run.id).bind(2, run.stamp.changed).bind(3, run.stamp.size).bind(4, run.began).run();
+      const std::int64_t number = sqlite3_last_insert_rowid(database);
+      for (auto& [key, value] : std::exchange(run.facts, {}))
+        by_key[key_number(key)].emplace_back(number, std::move(value));
+    }
+    for (const auto& [key, values] : by_key)
+      for (const auto& [run, value] : values) add_fact.bind(1, key).bind(2, run).bind(3, value).run();
   }
 
   /// The keys that a word stands for: the one with this name; else those that end in it behind a dot, numbered ones
@@ -392,6 +489,7 @@ std::optional<std::string> damage_of_index(const std::string& directory) {
   const std::string file = (fs::path(directory) / ".index.sqlite").string();
   std::error_code error;
   if (!fs::exists(file, error)) return {};
+  if (const auto is_file = check_is_file(file); !is_file) return is_file.error();
   const auto damaged = [&](const std::string& why) { return fmt::format("{}: is damaged: {}", file, why); };
   sqlite3* database = nullptr;
   const std::unique_ptr<sqlite3*, void (*)(sqlite3**)> closed(&database, [](sqlite3** open) { sqlite3_close(*open); });
@@ -412,32 +510,36 @@ RunIndex::RunIndex(RunIndex&&) noexcept = default;
 RunIndex& RunIndex::operator=(RunIndex&&) noexcept = default;
 RunIndex::~RunIndex() = default;
 
-tl::expected<RunIndex, std::string> RunIndex::open(const std::string& directory) {
+tl::expected<RunIndex, std::string> RunIndex::open(const std::string& directory, std::chrono::milliseconds patience) {
   auto state = std::make_unique<State>();
   state->directory = directory;
+  state->patience = patience;
   std::error_code error;
   if (!fs::is_directory(directory, error))
     return tl::unexpected(fmt::format("{}: there is no such directory: no run has been kept there", directory));
   const std::string file = (fs::path(directory) / ".index.sqlite").string();
-  try {
-    state->open(file);
-    state->refresh();
-    return RunIndex(std::move(state));
-  } catch (const std::exception&) {  // damaged, of another version, or on a disk that takes nothing
-    state->close();
-    fs::remove(file, error);
-  }
-  for (const std::string& place : {file, std::string(":memory:")}) {
+  enum class Trouble { none, unwritable, other };
+  std::string why;
+  const auto attempt = [&](void (State::*open_at)(const std::string&), const std::string& place) {
     try {
-      state->open(place);
+      (*state.*open_at)(place);
       state->refresh();
-      return RunIndex(std::move(state));
-    } catch (const std::exception& why) {
-      if (place == ":memory:") return tl::unexpected(std::string(why.what()));
+      return Trouble::none;
+    } catch (const std::exception& found) {
+      why = found.what();
       state->close();
+      return dynamic_cast<const Unwritable*>(&found) ? Trouble::unwritable : Trouble::other;
     }
+  };
+  Trouble trouble = attempt(&State::open, file);
+  if (trouble == Trouble::other) {  // damaged, of another version, or no file
+    fs::remove(file, error);
+    trouble = attempt(&State::open, file);
   }
-  return tl::unexpected(directory + ": no index can be made");
+  if (trouble == Trouble::unwritable && fs::is_regular_file(file, error)) trouble = attempt(&State::open_copy, file);
+  if (trouble != Trouble::none) trouble = attempt(&State::open, ":memory:");
+  if (trouble != Trouble::none) return tl::unexpected(why);
+  return RunIndex(std::move(state));
 }
 
 std::vector<RunIndex::Run> RunIndex::all(const std::vector<std::string>& keys) {
@@ -457,8 +559,8 @@ tl::expected<std::vector<RunIndex::Run>, std::string> RunIndex::find(const RunQu
 std::map<std::string, RunIndex::Value> RunIndex::facts(const std::string& id) {
   std::map<std::string, Value> facts;
   Statement found(state_->database,
-                  "SELECT key.name, value FROM fact JOIN key ON key.number = fact.key JOIN run ON run.number = "
-                  "fact.run WHERE run.id = ?");
+                  "SELECT key.name, value FROM run CROSS JOIN key CROSS JOIN fact ON fact.key = key.number AND "
+                  "fact.run = run.number WHERE run.id = ?");
   found.bind(1, id);
   while (found.row()) facts[found.text(0)] = found.value(1);
   return facts;

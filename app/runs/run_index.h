@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -19,12 +20,14 @@ namespace skein::app {
 std::optional<std::string> damage_of_index(const std::string& directory);
 
 /// The index of all kept runs of a directory: a copy of each run's run.json in SQLite, DIRECTORY/.index.sqlite, for
-/// fast searches. It may be deleted: it is rebuilt. If it cannot be written, it is built in memory. One thread; several
-/// programs may use one directory.
+/// fast searches. It may be deleted: it is rebuilt. If it cannot be written, it is copied to memory and updated there.
+/// One thread; several programs may use one directory.
 class RunIndex {
  public:
-  /// Updates the index from the folders. The error says why the directory cannot be read.
-  static tl::expected<RunIndex, std::string> open(const std::string& directory);
+  /// Updates the index from the folders. The error says why the directory cannot be read. `patience`: how long to wait
+  /// for another program that is writing the index.
+  static tl::expected<RunIndex, std::string> open(const std::string& directory,
+                                                  std::chrono::milliseconds patience = std::chrono::seconds(10));
   RunIndex(RunIndex&&) noexcept;
   RunIndex& operator=(RunIndex&&) noexcept;
   ~RunIndex();

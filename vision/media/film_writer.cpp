@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <system_error>
 
 #include "vision/media/libav.h"
 #include "vision/media/sources.h"
@@ -28,6 +30,10 @@ class MatroskaFilm final : public FilmWriter {
 
   /// Empty, or what is in the way.
   std::string create() {
+    // A kept run may hold what was there by a name of its own: a new film is a new file.
+    std::error_code error;
+    const std::filesystem::path there = std::filesystem::canonical(path_, error);
+    if (!error && std::filesystem::is_regular_file(there, error)) std::filesystem::remove(there, error);
     if (avformat_alloc_output_context2(&file_, nullptr, "matroska", path_.c_str()) < 0) return failed(AVERROR(ENOMEM));
     const int opened = avio_open(&file_->pb, ("file:" + path_).c_str(), AVIO_FLAG_WRITE);
     return opened < 0 ? failed(opened) : std::string();

@@ -2,6 +2,7 @@
 #include "app/doctor/doctor.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -140,6 +141,11 @@ const Fault faults[] = {
      [](Patient& p) { p.machine.free_in = [](const std::string&) { return 0.3e9; }; }},
     {"IndexOfRunsIsNoDatabase", State::note, "/runs/.index.sqlite: is damaged: file is not a database",
      [](Patient& p) { p.write("/runs/.index.sqlite", std::string(4096, 'x')); }},
+    {"IndexOfRunsIsAFifo", State::note, "/runs/.index.sqlite: cannot be read: it is a device or a FIFO",
+     [](Patient& p) {
+       p.write("/runs/run.json", "");
+       ASSERT_EQ(::mkfifo((p.machine.root + "/runs/.index.sqlite").c_str(), 0600), 0);
+     }},
     {"NoAdapter", State::ill, "Bluetooth: no adapter", [](Patient& p) { p.remove("/sys/class/bluetooth"); }},
     {"RadioSwitch", State::ill, "hci0 is blocked by software",
      [](Patient& p) { p.write("/sys/class/rfkill/rfkill0/soft", "1\n"); }},

@@ -1,8 +1,12 @@
 #include "app/runs/run_index.h"
 
 #include <gtest/gtest.h>
+#include <sqlite3.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <fstream>
+#include <memory>
 
 #include "app/runs/find_run.h"
 #include "app/runs/run_folder.h"
@@ -218,6 +222,67 @@ TEST(RunIndex, ARunThatCannotBeReadIsNamedAndHidesNoOther) {
   EXPECT_EQ(index.size(), 4u);
   ASSERT_EQ(index.problems().size(), 1u);
   EXPECT_NE(index.problems().front().find("torn/run.json"), std::string::npos);
+}
+
+/// Reading a FIFO would wait for ever.
+TEST(RunIndex, WhatIsNoFileIsNamedAndHidesNoRun) {
+  FourRuns four;
+  std::filesystem::create_directories(four.runs / "fifo");
+  ASSERT_EQ(::mkfifo((four.runs / "fifo/run.json").c_str(), 0600), 0);
+  std::filesystem::create_directories(four.runs / "folder/run.json");
+  auto index = RunIndex::open(four.runs.path).value();
+  EXPECT_EQ(index.size(), 4u);
+  ASSERT_EQ(index.problems().size(), 2u);
+  for (const std::string& problem : index.problems())
+    EXPECT_NE(problem.find("allowed: a file"), std::string::npos) << problem;
+}
+
+TEST(RunIndex, AFolderThatMayNotBeLookedIntoIsNamed) {
+  if (::geteuid() == 0) GTEST_SKIP() << "root may look into every folder";
+  FourRuns four;
+  std::filesystem::permissions(four.runs / "2026-11-02_120000_platoon", std::filesystem::perms::none);
+  auto index = RunIndex::open(four.runs.path).value();
+  std::filesystem::permissions(four.runs / "2026-11-02_120000_platoon", std::filesystem::perms::owner_all);
+  EXPECT_EQ(index.size(), 3u);
+  ASSERT_EQ(index.problems().size(), 1u);
+  EXPECT_NE(index.problems()[0].find("2026-11-02_120000_platoon/run.json: cannot be read: Permission denied"),
+            std::string::npos)
+      << index.problems()[0];
+}
+
+/// The index as another program has it open.
+struct OtherProgram {
+  explicit OtherProgram(const std::string& file) {
+    sqlite3* opened = nullptr;
+    EXPECT_EQ(sqlite3_open(file.c_str(), &opened), SQLITE_OK);
+    database.reset(opened);
+  }
+  void does(const char* sql) const {
+    EXPECT_EQ(sqlite3_exec(database.get(), sql, nullptr, nullptr, nullptr), SQLITE_OK)
+        << sqlite3_errmsg(database.get());
+  }
+  std::unique_ptr<sqlite3, int (*)(sqlite3*)> database{nullptr, sqlite3_close};
+};
+
+/// It is on a disk that takes nothing, belongs to somebody else, or another program is writing it: it is sound all the
+/// same, and making it anew takes long.
+TEST(RunIndex, OneThatCannotBeWrittenStaysAndIsUsed) {
+  FourRuns four;
+  const std::string file = four.runs / ".index.sqlite";
+  ASSERT_EQ(RunIndex::open(four.runs.path)->size(), 4u);
+  const OtherProgram other(file);
+  other.does("UPDATE fact SET value = 17 WHERE value = 0.005");  // shows that the index is what is asked
+  other.does("BEGIN IMMEDIATE");
+  keep_run(four.runs, 5, 0.5, 0);
+  struct stat before {
+  }, after{};
+  ASSERT_EQ(::stat(file.c_str(), &before), 0);
+  auto index = RunIndex::open(four.runs.path, std::chrono::milliseconds(0)).value();
+  EXPECT_EQ(found(index, "k_xx = 17"), (Days{"1"})) << "the index was thrown away";
+  EXPECT_EQ(found(index, "k_xx = 0.5"), (Days{"5"})) << "what is new is known as well";
+  ASSERT_EQ(::stat(file.c_str(), &after), 0);
+  EXPECT_EQ(before.st_ino, after.st_ino);
+  other.does("ROLLBACK");
 }
 
 /// A run that has only begun: what it is expected to give is not what it gave.

@@ -51,6 +51,18 @@ TEST(RunRemoval, TheIndexKnowsTheRoomThatARunTakes) {
   EXPECT_DOUBLE_EQ(std::get<double>(large->front().facts.at("megabytes")), 1.5);
 }
 
+/// Of a run that has ended run.json says it: the other files need not be looked at, which takes long for many runs.
+TEST(RunRemoval, TheRoomThatARunTakesIsInItsRunJson) {
+  const Folder runs;
+  fs::create_directories(runs / "whole");
+  fs::create_directories(runs / "edited");
+  std::ofstream(runs / "whole/run.json") << R"({"files":{"run.csv":{"bytes":2000000},"film.mkv":{"bytes":100000000}}})";
+  std::ofstream(runs / "edited/run.json") << R"({"files":{"run.csv":{"bytes":-2000000},"film.mkv":7}})";
+  auto index = RunIndex::open(runs.path).value();
+  EXPECT_DOUBLE_EQ(std::get<double>(index.facts("whole").at("megabytes")), 102.0);
+  EXPECT_DOUBLE_EQ(std::get<double>(index.facts("edited").at("megabytes")), 0.0) << "then the files are looked at";
+}
+
 TEST(RunRemoval, ARunThatAProgramIsWritingStays) {
   const Folder runs;
   const std::string folder = kept(runs, "first"), record = folder + "/" + run_files::record;

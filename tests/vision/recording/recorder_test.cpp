@@ -5,6 +5,7 @@
 #include <bit>
 #include <condition_variable>
 #include <cstdint>
+#include <filesystem>
 #include <limits>
 #include <numbers>
 
@@ -258,6 +259,28 @@ TEST(Recorder, AFrameOfAnotherSizeEndsTheFilm) {
   EXPECT_EQ(status.problem, folder.file("film.mkv") + ": frame 0 is 16x16 px, and the film 32x16");
   EXPECT_EQ(status.written, 1);
   EXPECT_EQ(status.dropped, 1);
+}
+
+/// A kept run has its film as another name of the same bytes.
+TEST(Recorder, ANewFilmLeavesOtherNamesOfAnOldOneAlone) {
+  test::Folder folder;
+  const std::string path = folder.file("film.mkv"), kept = folder.file("kept.mkv");
+  const auto film_of = [&](int frames) {
+    auto recorder = Recorder::open(path);
+    ASSERT_TRUE(recorder) << recorder.error();
+    for (int i = 0; i < frames; ++i) (*recorder)->add(test::uniform_frame(32, 16, static_cast<std::uint8_t>(i)));
+  };
+  film_of(3);
+  std::filesystem::create_hard_link(path, kept);
+  const std::string before = test::read_file(kept);
+  film_of(1);
+  EXPECT_EQ(test::read_file(kept), before);
+  EXPECT_NE(test::read_file(path), before);
+  std::filesystem::remove(path);
+  std::filesystem::create_symlink(kept, path);
+  film_of(1);
+  EXPECT_TRUE(std::filesystem::is_symlink(path)) << "a link to a film stays one";
+  EXPECT_NE(test::read_file(kept), before);
 }
 
 TEST(Recorder, SaysWhereItCannotWrite) {
