@@ -125,6 +125,21 @@ TEST(KeptRun, OneThatWasKilledIsThereAndSaysThatItOnlyBegan) {
   EXPECT_FALSE(verify_run(run)->holds());
 }
 
+/// Nobody has stopped it, and its clock may have been the virtual one.
+TEST(Verify, SaysOfARunThatWasKilledThatItDidNotFinish) {
+  const Folder folder;
+  const std::string run = keep(folder, folder / "runs", text);
+  auto story = read_story(run).value();
+  story["state"] = "begun";
+  story.erase("files");
+  std::ofstream(run + "/run.json") << sealed(story);
+  const auto found = verify_run(run).value();
+  EXPECT_FALSE(holds(found, "files"));
+  EXPECT_TRUE(holds(found, "commands"));
+  ASSERT_EQ(found.notes.size(), 1u);
+  EXPECT_TRUE(found.notes[0].starts_with("the run did not finish: ")) << found.notes[0];
+}
+
 TEST(KeptRun, ADirectoryThatCannotBeMadeIsSaid) {
   const auto kept = KeptRun::begin({"/proc/none", "", {}, {}, false}, paper_experiment());
   ASSERT_FALSE(kept);
