@@ -97,7 +97,8 @@ Check tags(const Experiment& e, const TickRecord* record, std::span<const Unseen
   ids.reserve(unseen.size());
   for (const std::size_t i : unseen) ids.push_back(e.robots[i].tag);
   if (!ids.empty() && camera_down && e.cameras() == 1)
-    reasons += fmt::format("{}{}: the camera delivers no picture that can be used", reasons.empty() ? "" : "; ", numbers(unseen));
+    reasons += fmt::format("{}{}: the camera delivers no picture that can be used", reasons.empty() ? "" : "; ",
+                           numbers(unseen));
   else if (!ids.empty())
     reasons += fmt::format("{}{}: no tag {} in the picture", reasons.empty() ? "" : "; ", numbers(unseen),
                            fmt::join(ids, ", "));

@@ -97,6 +97,15 @@ Corners mirrored_back(Corners corners, int width) {
   return corners;
 }
 
+// As a family of its own: tags whose black and white are exchanged, in print or by the camera.
+constexpr std::string_view in_negative = "36h11 in negative";
+
+Frame negative(const Frame& frame) {
+  Frame exchanged = frame;
+  for (std::uint8_t& grey : exchanged.grey) grey = static_cast<std::uint8_t>(255 - grey);
+  return exchanged;
+}
+
 /// Where a detection is and how it looks, into the answer.
 void describe(const Detection& seen, const Calibration& calibration, TagDiagnosis& answer) {
   answer.crops.push_back(crop_around(middle_of(seen.corners), edge_px_of(seen.corners)));
@@ -322,6 +331,11 @@ std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibr
       }
   }
   if (any_not_found(answers)) {
+    std::vector<Stranger> exchanged;
+    for (const Detection& seen : detect_at_both(detector, negative(frame))) exchanged.push_back({in_negative, seen});
+    look_for_other_families(exchanged, calibration, answers);
+  }
+  if (any_not_found(answers)) {
     look_for_other_families(tags_of_other_families(frame), calibration, answers);
     const auto ever_seen = [](const MissingTag& tag) { return tag.last.has_value(); };
     if (found.empty() && std::none_of(missing.begin(), missing.end(), ever_seen) && any_not_found(answers))
@@ -456,10 +470,9 @@ std::string sentence(const TagDiagnosis& d, const Calibration& calibration) {
                       1e3 * d.above);
       if (d.printed == 0.0) return seen + ". Is the robot held up, or its tag on another plate?";
       return fmt::format(
-          "{}, or printed with an edge of {:.1f} mm instead of {}. Is the robot held up, its tag on another plate, or "
-          "its "
-          "sheet scaled by the printer?",
-          seen, 1e3 * d.printed, millimetres(calibration.tag_size));
+          "{}, or printed about {:.0f} % too large. Is the robot held up, its tag on another plate, or its print "
+          "scaled?",
+          seen, 100.0 * (d.printed / calibration.tag_size - 1.0));
     }
     case NotSeen::tilted:
       return fmt::format("tag {} is there, but does not lie flat at [tags] height {}", d.tag,
@@ -484,7 +497,11 @@ std::string sentence(const TagDiagnosis& d, const Calibration& calibration) {
                  : fmt::format("no tag {} is in the picture, and much of the picture is too bright: lower the exposure",
                                d.tag);
     case NotSeen::in_shadow:
-      if (!found) return fmt::format("no tag {} is in the picture, and the picture is dark: raise the exposure", d.tag);
+      if (!found)
+        return fmt::format(
+            "no tag {} is in the picture, and the picture is dark: is the lamp on, is the lens free? Or raise the "
+            "exposure",
+            d.tag);
       return d.contrast < least_contrast
                  ? fmt::format(
                        "tag {} is there, but in shadow: {:.0f} grey levels between ink and paper, "
@@ -496,6 +513,11 @@ std::string sentence(const TagDiagnosis& d, const Calibration& calibration) {
     case NotSeen::mirrored:
       return fmt::format("tag {} is there, but mirrored: switch the camera's mirror off", d.tag);
     case NotSeen::other_family:
+      if (d.family == in_negative)
+        return fmt::format(
+            "tag {} is there, but in negative, black and white exchanged: print it anew, or switch the camera's "
+            "negative effect off",
+            d.tag);
       return fmt::format("tag {} looks like {} of the family {}: print it anew in 36h11", d.tag, d.tag, d.family);
   }
   return {};
