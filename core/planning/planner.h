@@ -202,10 +202,8 @@ class Planner {
   void follow_yielding(std::size_t i, double t) noexcept;
   bool pass_obstacle(std::size_t i, const Scene& scene, const Gains& gains,
                      std::span<const ReferencePoint> nominal) noexcept;
-  bool meets_nobody(std::size_t i, const Sidestep& way, const Scene& scene, std::span<const ReferencePoint> nominal,
-                    std::span<const std::uint8_t> yields = {}) noexcept;
-  bool slow_down(std::size_t i, const Scene& scene, const Gains& gains, std::span<const ReferencePoint> nominal,
-                 SidestepSearch::Query query, Sidestep& way) noexcept;
+  bool meets_nobody(std::size_t i, const Sidestep& way, const Scene& scene,
+                    std::span<const ReferencePoint> nominal) noexcept;
   Pose expected_at(std::size_t j, double ahead, const Scene& scene,
                    std::span<const ReferencePoint> nominal) const noexcept;
   void set_off(std::size_t i, double due) noexcept;

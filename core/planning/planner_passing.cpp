@@ -8,12 +8,9 @@
 namespace skein::core {
 namespace {
 
-constexpr double passing_speed = 0.995;                    // of what (18f) leaves
-constexpr double passing_turning = 0.97;                   // of what (18g) leaves
-constexpr std::size_t passing_work = 7000;                 // of a tick at most [nodes]
-constexpr double slows_with = 0.1;                         // who cannot catch up faster than that does not slow down
-constexpr std::array<double, 2> slow_for{1.5, 3.0};        // [s]
-constexpr std::array<double, 3> slow_by{0.35, 0.6, 0.85};  // share of their speed
+constexpr double passing_speed = 0.995;     // of what (18f) leaves
+constexpr double passing_turning = 0.97;    // of what (18g) leaves
+constexpr std::size_t passing_work = 7000;  // of a tick at most [nodes]
 
 }  // namespace
 
@@ -32,7 +29,7 @@ Pose Planner::expected_at(std::size_t j, double ahead, const Scene& scene,
 
 /// Whether the shield would leave robot i alone on a way past an obstacle, as long as all robots drive as expected.
 bool Planner::meets_nobody(std::size_t i, const Sidestep& way, const Scene& scene,
-                           std::span<const ReferencePoint> nominal, std::span<const std::uint8_t> yields) noexcept {
+                           std::span<const ReferencePoint> nominal) noexcept {
   constexpr double step = 0.2, beyond = 0.004, reach = 0.06;
   const double shrinks = std::exp(-0.95 * setup_.shield_gamma * step);
   std::array<Pose, 150> here;
@@ -44,47 +41,13 @@ bool Planner::meets_nobody(std::size_t i, const Sidestep& way, const Scene& scen
     double was = never;
     spent_ += count / 8;
     for (std::size_t k = 0; k < count; ++k) {
-      const double ahead = step * static_cast<double>(k), t = scene.t + ahead;
-      const bool late = !yields.empty() && yields[j];
-      const Pose there = late ? reference_->at(j, t - yield_.at(t)).pose : expected_at(j, ahead, scene, nominal);
+      const Pose there = expected_at(j, step * static_cast<double>(k), scene, nominal);
       const double left = distance(here[k], there) - keep;
       if (k > 0 && left < reach && left < (was > 0.0 ? std::min(reach, shrinks * was) : was) - 1e-4) return false;
       was = left;
     }
   }
   return true;
-}
-
-/// Where there is too little time to leave the lane, robot i slows down, and so does every robot that would come too
-/// near to it.
-bool Planner::slow_down(std::size_t i, const Scene& scene, const Gains& gains, std::span<const ReferencePoint> nominal,
-                        SidestepSearch::Query query, Sidestep& way) noexcept {
-  const double hurry = hurry_of_all(gains);
-  if (group_.active || clock_ != nullptr || hurry < slows_with) return false;
-  merging_.count = 0;
-  bool somebody_yields = false;
-  expect_all(scene, gains, nominal, somebody_yields);
-  if (somebody_yields) return false;
-  const double slope = paces_[i].acceleration / reference_->demand(gains.k_y).v;
-  for (const double stands : slow_for)
-    for (const double slower : slow_by) {
-      if (spent_ >= passing_work) return false;
-      query.most_work = passing_work - spent_;
-      const Delay delay({scene.t, 0.0, 0.0}, slower, stands, hurry, slope);
-      spent_ += 5 * robots_.size();
-      if (!who_yields(i, scene, delay)) continue;
-      query.delay = delay;
-      if (sidesteps_.begin(query, *reference_, lattice(i)) != SidestepSearch::Lane::blocked) continue;
-      bool found = false;
-      yield_ = delay;
-      while (!found && sidesteps_.next(way)) found = meets_nobody(i, way, scene, nominal, merging_.yields);
-      spent_ += sidesteps_.work();
-      if (!found) continue;
-      for (std::size_t j = 0; j < robots_.size(); ++j)
-        if (merging_.yields[j]) robots_[j].state = State::yielding;
-      return true;
-    }
-  return false;
 }
 
 /// Lets robot i leave the lane in time where its place drives into an obstacle. False: there is none, or no such way
@@ -110,11 +73,6 @@ bool Planner::pass_obstacle(std::size_t i, const Scene& scene, const Gains& gain
   query.gamma = setup_.shield_gamma;
   Sidestep way;
   bool found = false, later = false;
-  const auto find = [&] {
-    while (!found && sidesteps_.next(way)) found = meets_nobody(i, way, scene, nominal);
-    spent_ += sidesteps_.work();
-    return found;
-  };
   switch (sidesteps_.begin(query, *reference_, lattice(i))) {
     case SidestepSearch::Lane::free:
       break;
@@ -122,7 +80,8 @@ bool Planner::pass_obstacle(std::size_t i, const Scene& scene, const Gains& gain
       later = true;
       break;
     case SidestepSearch::Lane::blocked:
-      if (!find() && !passes && !yields) found = slow_down(i, scene, gains, nominal, query, way);
+      while (!found && sidesteps_.next(way)) found = meets_nobody(i, way, scene, nominal);
+      spent_ += sidesteps_.work();
       break;
   }
   if (found) {
