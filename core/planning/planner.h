@@ -123,6 +123,7 @@ class Planner {
     bool decided = false;                 // everything has been tried
     std::array<bool, most> urgent{};      // another robot soon reaches the place where it stands without a way
     bool around = false;                  // past all obstacles on the lane of the place
+    bool somebody_yields = false;         // in this step, by an earlier decision
     double began = 0.0, best_ends = 0.0;  // [s]
     std::array<Pose, most> from;
     std::array<Pace, most> paces;
@@ -188,8 +189,7 @@ class Planner {
   void plan_merges(const Scene& scene, const Gains& gains, std::span<const ReferencePoint> nominal) noexcept;
   double merge(const Merging::Trial& trial, const Scene& scene, Merge::Query like, double before) noexcept;
   bool advance_trial(const Scene& scene, std::span<const ReferencePoint> nominal, bool may_yield) noexcept;
-  Merge::Query expect_all(const Scene& scene, const Gains& gains, std::span<const ReferencePoint> nominal,
-                          bool& somebody_yields) noexcept;
+  Merge::Query expect_all(const Scene& scene, const Gains& gains, std::span<const ReferencePoint> nominal) noexcept;
   void seek(std::size_t k, const Start& from, const Gains& gains) noexcept;
   void find_alone(const Merge::Query& like) noexcept;
   double hurry_of_all(const Gains& gains) const noexcept;

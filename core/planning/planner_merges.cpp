@@ -178,14 +178,14 @@ void Planner::seek(std::size_t k, const Start& from, const Gains& gains) noexcep
 }
 
 /// The expected motion of all robots, and what all searches of this step have in common.
-Merge::Query Planner::expect_all(const Scene& scene, const Gains& gains, std::span<const ReferencePoint> nominal,
-                                 bool& somebody_yields) noexcept {
+Merge::Query Planner::expect_all(const Scene& scene, const Gains& gains,
+                                 std::span<const ReferencePoint> nominal) noexcept {
   Merge::Query like;
   like.t = scene.t;
   like.k_y = gains.k_y;
   like.gamma = setup_.shield_gamma;
   like.smaller = setup_.smaller;
-  somebody_yields = false;
+  merging_.somebody_yields = false;
   for (std::size_t j = 0; j < robots_.size(); ++j) {
     const Robot& robot = robots_[j];
     expect(j, scene, nominal);
@@ -195,7 +195,7 @@ Merge::Query Planner::expect_all(const Scene& scene, const Gains& gains, std::sp
     if (robot.state == State::driving && !rests(j, scene) && !seeks)
       like.watched = std::max(like.watched, robot.joins - robot.clock);
     if (robot.state == State::yielding)
-      somebody_yields = true, like.watched = std::max(like.watched, yield_.ends() - scene.t);
+      merging_.somebody_yields = true, like.watched = std::max(like.watched, yield_.ends() - scene.t);
   }
   return like;
 }
@@ -229,9 +229,11 @@ double Planner::hurry_of_all(const Gains& gains) const noexcept {
   return hurry;
 }
 
-/// Which robots yield in this trial; false where another robot would be in their way.
+/// Which robots yield in this trial. False where another robot would be in their way, or where robots yield already:
+/// all that yield share one clock, which must not change under them.
 bool Planner::let_yield(const Merging::Trial& trial, const Scene& scene, double hurry, double slope) noexcept {
   if (trial.hold == 0) return true;
+  if (merging_.somebody_yields) return false;
   merging_.delay = Delay(scene.t, stands_for[trial.hold - 1], hurry, slope);
   spent_ += 5 * robots_.size();
   return who_yields(merging_.order[trial.first], scene, merging_.delay);
@@ -273,8 +275,7 @@ void Planner::look_again(std::size_t i, const Scene& scene, const Gains& gains,
   seek(0, from, gains);
   m.v[0] = std::min(m.v[0], m.paces[0].v);
   group_.from[i] = Route::stop(from.from, from.v, m.paces[0]);
-  bool somebody_yields = false;
-  Merge::Query like = expect_all(scene, gains, nominal, somebody_yields);
+  Merge::Query like = expect_all(scene, gains, nominal);
   if (lattices_.front().has_obstacles()) like.stays_free = sees_ahead + 0.5;
   find_alone(like);
   if (remaining < m.soonest[0] + worth_looking) {
@@ -286,7 +287,7 @@ void Planner::look_again(std::size_t i, const Scene& scene, const Gains& gains,
   const double before = remaining - worth_change, hurry = hurry_of_all(gains);
   const double slope = m.paces[0].acceleration / reference_->demand(gains.k_y).v;
   if (merge({}, scene, like, before) < never) return go(scene);
-  const bool may_yield = clock_ == nullptr && !somebody_yields && hurry > least_hurry;
+  const bool may_yield = clock_ == nullptr && !m.somebody_yields && hurry > least_hurry;
   while (may_yield && spent_ < looks_with) {
     m.next = robot.looks;
     if (!advance_trial(scene, nominal, true) || m.next.care > 0) m.next = {};
@@ -300,9 +301,8 @@ void Planner::look_again(std::size_t i, const Scene& scene, const Gains& gains,
 void Planner::plan_merges(const Scene& scene, const Gains& gains, std::span<const ReferencePoint> nominal) noexcept {
   Merging& m = merging_;
   const std::size_t n = robots_.size();
-  bool somebody_yields = false;
   for (std::size_t k = 0; k < m.count; ++k) seek(k, begin_route(m.robots[k], scene), gains);
-  Merge::Query like = expect_all(scene, gains, nominal, somebody_yields);
+  Merge::Query like = expect_all(scene, gains, nominal);
   // Longer than it looks ahead, or it would leave its place again at once.
   const auto stays_free = [&m] { return m.around ? sees_ahead + 0.5 : 0.0; };
   like.stays_free = stays_free();
@@ -357,7 +357,7 @@ void Planner::plan_merges(const Scene& scene, const Gains& gains, std::span<cons
     }
     const std::size_t care = m.next.care;
     const bool was_quick = urgent();
-    more = !enough && advance_trial(scene, nominal, clock_ == nullptr && !somebody_yields && hurry > least_hurry);
+    more = !enough && advance_trial(scene, nominal, clock_ == nullptr && !m.somebody_yields && hurry > least_hurry);
     if (m.next.care != care && m.best_ends < never) more = false;
     if (m.next.care != care && was_quick && more) m.next = {}, m.urgent.fill(false);  // once more, thoroughly
     if (more && m.best_ends < never && scene.t > m.began + longest_search) more = false;
