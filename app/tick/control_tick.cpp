@@ -153,6 +153,7 @@ TickMemory::TickMemory(const Experiment& e, const core::Gains& first, const core
   v_limits.resize(n);
   doubt.resize(n);
   out.resize(n);
+  unseen.resize(n);
   covariance.resize(n);
   spare_log.resize(n * core::controller_type(e.controller.law.kind).logs.size());
   record.robots.resize(n);
@@ -518,7 +519,10 @@ void TickState::follow_field() noexcept {
 /// Planned routes. A robot on a way of its own has no couplings: they are ramped, so that Theorem 1's gains stay
 /// continuous, and what they leave goes to the route.
 void TickState::follow_plan() noexcept {
-  for (std::size_t i = 0; i < robots(); ++i) out[i] = is_out(i);
+  for (std::size_t i = 0; i < robots(); ++i) {
+    out[i] = is_out(i);
+    unseen[i] = out[i] && !made_to_stand(i);
+  }
   const double hurry = experiment.avoidance.formation_waits ? core::FormationClock::hurry(gains, demand) : 0.0;
   const auto release = [&](core::PairTable& table) {
     if (table.none()) return;  // there is nothing to release
@@ -541,7 +545,8 @@ void TickState::follow_plan() noexcept {
                                    stuck,
                                    obstacles.standing(),
                                    *std::max_element(doubt.begin(), doubt.end()),
-                                   hurry};
+                                   hurry,
+                                   unseen};
   planner->step(scene, gains, motion_dt, nominal, followed);
   for (std::size_t i = 0; i < robots(); ++i) {
     const std::size_t by = planner->taken_by(i);

@@ -108,6 +108,7 @@ struct TickMemory {
   std::vector<double> trust;             // in a link: usually 1, less while commands are unconfirmed, 0: it has stopped
   std::vector<core::Twist> driving;      // what each does: as commanded, or where its link has stopped it as measured
   std::vector<std::uint8_t> out;         // is_out of each, for the planner and the law
+  std::vector<std::uint8_t> unseen;      // lost, and out for no other reason, for the planner
   std::vector<std::uint8_t> stuck;       // stands though commanded to drive
   std::vector<core::Obstacle> standing;  // what the shield keeps clear of: obstacles, and robots that are stuck
   std::vector<double> doubt;             // how far off each pose may be [m]
@@ -158,9 +159,8 @@ struct TickState : TickSetup, TickMemory {
   bool moving() const noexcept { return running() || record.phase == Phase::staging; }
   /// A robot that is lost or held, or whose link has stopped it, is not in the group: it is commanded to stand, and its
   /// errors do not affect the others.
-  bool is_out(std::size_t i) const noexcept {
-    return record.robots[i].is(lost) || held[i] || disobeys[i] || trust[i] == 0.0;
-  }
+  bool is_out(std::size_t i) const noexcept { return record.robots[i].is(lost) || made_to_stand(i); }
+  bool made_to_stand(std::size_t i) const noexcept { return held[i] || disobeys[i] || trust[i] == 0.0; }
   void hear_links(const TickInput& input) noexcept;
   void measure_twist(std::size_t i) noexcept;
   /// From a robot's middle to one of its wheels [m].

@@ -30,6 +30,7 @@ constexpr double between_walls = 0.02;      // no more room than this, beyond wh
 constexpr double turns_within = 0.0005;     // of where its route turns there; at twice as much its clock stands [m]
 constexpr double sets_off_within = 0.005;   // of the heading in which it drives on there [rad]
 constexpr double looks_every = 5;           // ticks
+constexpr double keeps_route = 1.0;         // a robot on a route that is not seen for less long does [s]
 constexpr double stays_after = 3.0;         // a robot that stands so long is taken to stay there [s]
 constexpr double formation_slope = 0.25;    // of its clock, times the largest v_ref [m/s^2]
 constexpr double stuck_for = 4.0;           // a clock that has hardly run for this long: a new plan for all robots [s]
@@ -139,6 +140,13 @@ void Planner::reset() noexcept {
 bool Planner::rests(std::size_t i, const Scene& scene) const noexcept {
   if (scene.to_starts) return true;
   return rest_from_[i] < never && (!coupled_[i] || formation_t_ >= rest_from_[i]);
+}
+
+/// Whether robot i is out of sight for a moment only, on a route: it keeps the route, and its clock stands meanwhile.
+/// Planning it anew from rest would hold up robots whose routes pass there, and those behind them.
+bool Planner::pauses(std::size_t i, const Scene& scene) const noexcept {
+  const Robot& robot = robots_[i];
+  return out_of_sight(i, scene) && robot.state == State::driving && rests(i, scene) && robot.unseen_for < keeps_route;
 }
 
 Pose Planner::goal(std::size_t i, const Scene& scene) const noexcept {
@@ -262,7 +270,9 @@ void Planner::run_clock(std::size_t i, const Scene& scene, double dt) noexcept {
   Robot& robot = robots_[i];
   const Pose here = on_route_[i];
   const double error = distance(here, scene.poses[i]);
-  double wanted = std::clamp((error_stop - error) / (error_stop - error_free), 0.0, 1.0);
+  // Where its route turns on the spot, a robot does not come nearer to it by waiting.
+  const bool drives = robot.route.twist(robot.clock, dt).v != 0.0;
+  double wanted = drives ? std::clamp((error_stop - error) / (error_stop - error_free), 0.0, 1.0) : 1.0;
   wanted = std::min(wanted, may_run(i, scene));
   robot.rate += std::clamp(wanted - robot.rate, -rate_slope * dt, rate_slope * dt);
   // Between walls it turns only where its route turns, and sets off only when it has turned. Otherwise it drives on
@@ -278,6 +288,7 @@ void Planner::run_clock(std::size_t i, const Scene& scene, double dt) noexcept {
     if (next.v != 0.0 && last.v == 0.0)
       stop(wrap_angle(here.theta - pose.theta), sets_off_within + 2.0 * scene.doubt / standard_radius);
   }
+  if (pauses(i, scene)) robot.rate = 0.0;
   robot.held_for = robot.rate < 0.3 ? robot.held_for + dt : 0.0;
   const State before = robot.state;
   const double step = robot.rate * dt;
@@ -355,6 +366,7 @@ void Planner::step(const Scene& scene, const Gains& gains, double dt, std::span<
   bool barred = changed && !begins;
   for (std::size_t i = 0; i < n; ++i) {
     Robot& robot = robots_[i];
+    robot.unseen_for = out_of_sight(i, scene) ? robot.unseen_for + dt : 0.0;
     const double before = std::exchange(robot.stood_for, stands(i, scene) ? robot.stood_for + dt : 0.0);
     barred = barred || (before < stays_after && robot.stood_for >= stays_after);
   }
@@ -364,6 +376,7 @@ void Planner::step(const Scene& scene, const Gains& gains, double dt, std::span<
     Robot& robot = robots_[i];
     const Pose& pose = scene.poses[i];
     if (std::isnan(pose.x)) continue;
+    if (pauses(i, scene)) continue;  // its clock stands
     if (scene.out[i]) {
       if (robot.state != State::waiting) robot.route.stand(pose);
       robot.state = State::waiting;

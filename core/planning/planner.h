@@ -81,6 +81,8 @@ class Planner {
     std::span<const Obstacle> obstacles;
     double doubt = 0.0;  ///< uncertainty of the least certain pose [m]
     double hurry = 0.0;  ///< by how much the formation's clock may run faster, with no coupling released
+    /// Of those that are out: who is only not seen at present. Empty: nobody.
+    std::span<const std::uint8_t> unseen{};
   };
   /// One step of length dt [s]. `gains`: with the couplings as they are now.
   void step(const Scene& scene, const Gains& gains, double dt, std::span<const ReferencePoint> nominal,
@@ -157,6 +159,7 @@ class Planner {
     bool all_anew = false;    // and all robots with it
     bool stood = false;       // it was out, or stuck
     double stood_for = 0.0;   // how long [s]
+    double unseen_for = 0.0;  // how long it has not been seen [s]
     bool looks_far = false;   // its whole way, once it has one: it may have been barred
     Route route;
     Sidestep aside;  // while it passes an obstacle
@@ -212,7 +215,14 @@ class Planner {
   double may_run(std::size_t i, const Scene& scene) noexcept;
   bool rests(std::size_t i, const Scene& scene) const noexcept;
   bool is_back(std::size_t i, const Scene& scene, const Pose& place) const noexcept;
-  static bool stands(std::size_t i, const Scene& scene) noexcept { return scene.out[i] || scene.stuck[i]; }
+  static bool out_of_sight(std::size_t i, const Scene& scene) noexcept {
+    return !scene.unseen.empty() && scene.unseen[i];
+  }
+  bool pauses(std::size_t i, const Scene& scene) const noexcept;
+  /// Stands, and nobody knows for how long.
+  bool stands(std::size_t i, const Scene& scene) const noexcept {
+    return scene.stuck[i] || (scene.out[i] && !pauses(i, scene));
+  }
   Pose goal(std::size_t i, const Scene& scene) const noexcept;
   bool is_taken(std::size_t i, const Scene& scene) noexcept;
   void know_paces(const Gains& gains) noexcept;

@@ -65,6 +65,7 @@ struct Scene {
   using Who = std::function<std::vector<std::uint8_t>(std::size_t n, double t)>;
   Who out, stuck;
   Who jammed;  // as stuck, and nobody knows
+  Who unseen;  // out, but only because they are not seen
 };
 
 /// The sixth robot, from `from` until `until` [s].
@@ -112,7 +113,7 @@ Outcome run(const Scene& scene) {
   std::vector<Twist> twists(n), commands(n), last(n);
   std::vector<core::TrackingError> errors(n);
   std::vector<double> v_limit(n);
-  std::vector<std::uint8_t> out(n), stuck(n), jammed(n);
+  std::vector<std::uint8_t> out(n), stuck(n), jammed(n), unseen(n);
   std::vector<Pose> awaited(n);  // references
   std::vector<int> direction(n), reversals(n);
   const std::unique_ptr<bool[]> touched(new bool[n]());
@@ -122,11 +123,12 @@ Outcome run(const Scene& scene) {
     const double t = k * dt;
     scene.lines.core::Reference::at(t, nominal);
     if (scene.out) out = scene.out(n, t);
+    if (scene.unseen) out = unseen = scene.unseen(n, t);
     if (scene.stuck) stuck = scene.stuck(n, t);
     if (scene.jammed) jammed = scene.jammed(n, t);
     const std::span<const Obstacle> obstacles(scene.obstacles.data(),
                                               t >= scene.obstacles_from ? scene.obstacles.size() : 0);
-    planner.step({t, false, poses, commands, out, stuck, obstacles, 0.0}, gains, dt, nominal, followed);
+    planner.step({t, false, poses, commands, out, stuck, obstacles, 0.0, 0.0, unseen}, gains, dt, nominal, followed);
     o.longest_planning = std::max(o.longest_planning, planning = planner.nodes() > 0 ? planning + 1 : 0);
     for (std::size_t i = 0; i < n; ++i) {
       if (planner.no_way(i) && !o.no_way) o.no_way_at = t;
@@ -559,6 +561,25 @@ TEST(Planner, LeavesADeadEnd) {
   scene.starts = {{-0.1, 0.0, 0.0}};
   scene.lines.add(scene.starts[0], {0.6, 0.0, 0.0});
   EXPECT_GT(run(scene).arrived, 0.0);
+}
+
+/// One robot after the other is out of sight for a fifth of a second, on its route or before it. Each lost its route,
+/// stood in the way of others until it had a new one, and they in the way of yet others.
+TEST(Planner, WhoIsOutOfSightForAMomentKeepsItsRoute) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    Scene scene = crowd(20, seed);
+    scene.unseen = [](std::size_t n, double t) {
+      std::vector<std::uint8_t> who(n);
+      const auto k = static_cast<std::size_t>(t / 0.2);
+      if (t > 2.0) who[7 * k % n] = 1;
+      return who;
+    };
+    const Outcome o = run(scene);
+    EXPECT_GT(o.arrived, 0.0) << "seed " << seed;
+    EXPECT_LE(o.arrived, 1.6 * longest_straight_line(scene)) << "seed " << seed;
+    EXPECT_FALSE(o.no_way) << "seed " << seed;
+    EXPECT_GE(o.least, 0.078 - 1e-6) << "seed " << seed;
+  }
 }
 
 TEST(Planner, GoesRoundWhoeverIsHeldAndFetchesItLater) {
