@@ -51,7 +51,10 @@ Done write_file(const fs::path& path, std::string_view text) {
   out << text;
   out.close();
   if (out && std::rename(draft.c_str(), path.c_str()) == 0) return {};
-  return tl::unexpected(fmt::format("{}: cannot be written: {}", path.string(), std::strerror(errno)));
+  auto problem = fmt::format("{}: cannot be written: {}", path.string(), std::strerror(errno));
+  std::error_code ignored;
+  fs::remove(draft, ignored);
+  return tl::unexpected(std::move(problem));
 }
 
 Done keep_copy(const fs::path& from, const fs::path& to) {

@@ -283,6 +283,7 @@ struct RunIndex::State {
       forget.bind(1, number).run();
     }
     std::vector<Reading> runs;
+    runs.reserve(found.size());
     for (const auto& [id, stamp] : found) runs.push_back({id, stamp});
     constexpr std::size_t most = 2000;  // in memory at a time
     for (std::size_t i = 0; i < runs.size(); i += most) {

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <exception>
+#include <functional>
 #include <future>
 #include <memory>
 #include <mutex>
@@ -48,8 +50,8 @@ struct SessionWiring {
       if (!clock.runs()) hold();
       recorder_channel->push(record);
       window_channel->push(record);
-    } else {
-      tell_sinks(record);
+    } else if (recorded) {
+      recorded = tell_sinks_or_fail([&] { tell_sinks(record); });
     }
   }
 
@@ -65,6 +67,17 @@ struct SessionWiring {
     if (belongs_to_run(record, started))
       for (RecordSink* sink : options.sinks) sink->record(record);
     started = started || record.phase == Phase::running || record.phase == Phase::staging;
+  }
+
+  /// False: a sink failed, and the run with it.
+  bool tell_sinks_or_fail(const std::function<void()>& tell) {
+    try {
+      tell();
+      return true;
+    } catch (const std::exception& error) {
+      fail(fmt::format("the run could not be recorded: {}", error.what()));
+      return false;
+    }
   }
 
   void fail(std::string reason) {
@@ -113,12 +126,9 @@ struct SessionWiring {
   void recorder(const std::stop_token& token) {
     while (true) {
       const bool last = token.stop_requested();
-      try {
-        recorder_channel->drain([this](const TickRecord& record) { tell_sinks(record); });
-      } catch (const std::exception& error) {
-        fail(fmt::format("the run could not be recorded: {}", error.what()));
+      if (!tell_sinks_or_fail(
+              [this] { recorder_channel->drain([this](const TickRecord& record) { tell_sinks(record); }); }))
         return;
-      }
       if (last) return;
       std::this_thread::sleep_for(recorder_period);
     }
@@ -229,6 +239,7 @@ struct SessionWiring {
   std::future<tl::expected<WheelCheck, std::string>> test;  // under way, or not yet asked for
   std::atomic<double> last_look{none};  // time of the last drain, on the session's clock [s]; none: there was none
   bool started = false;                 // the sinks' thread's
+  bool recorded = true;                 // on the virtual clock: no sink has failed
   bool closed = false;
   bool told_of_controller = false;
   mutable std::mutex failure_mutex;

@@ -229,12 +229,14 @@ TEST(Session, ASinkThatFailsStopsTheRun) {
       if (record.tick == 20) throw std::runtime_error("no space left on device");
     }
   };
-  Full full;
-  auto session = Session::open(paper_experiment(), Session::Clock::wall, {false, {&full}});
-  ASSERT_TRUE(session);
-  EXPECT_EQ((*session)->run(), Phase::stopped);
-  ASSERT_TRUE((*session)->failure());
-  EXPECT_NE((*session)->failure()->find("no space left"), std::string::npos);
+  for (const auto clock : {Session::Clock::wall, Session::Clock::virtual_}) {
+    Full full;
+    auto session = Session::open(paper_experiment(), clock, {false, {&full}});
+    ASSERT_TRUE(session);
+    EXPECT_EQ((*session)->run(), Phase::stopped);
+    ASSERT_TRUE((*session)->failure());
+    EXPECT_NE((*session)->failure()->find("no space left"), std::string::npos);
+  }
 }
 
 TEST(Session, TheKeepOnQuestionStopsAVirtualRun) {
