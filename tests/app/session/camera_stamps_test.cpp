@@ -1,12 +1,22 @@
-// A camera whose time stamps make every pose too old to drive by, in whole runs.
+// Cameras whose frames nobody can drive by, in whole runs: of stamps that are too old, and of another size.
 #include <gmock/gmock.h>
 
+#include <filesystem>
+#include <fstream>
+
+#include "app/calibration/calibration_file.h"
+#include "app/experiment/experiment.h"
+#include "app/session/session.h"
+#include "tests/app/experiment_texts.h"
+#include "tests/app/folder.h"
 #include "tests/app/session/rendered_platoon.h"
+#include "vision/synthetic/synthetic_camera.h"
 
 namespace skein::app {
 namespace {
 
 using test::RenderedPlatoon;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -23,6 +33,47 @@ TEST(CameraStamps, AreNotSpokenOfWhereRobotsDriveByThem) {
   const RenderedPlatoon run(3.0, {"camera.latency=0.1"});
   EXPECT_THAT(run.told, IsEmpty());
   EXPECT_FALSE(run.down);
+}
+
+void write_pgm(const vision::Frame& frame, const std::string& path) {
+  std::ofstream(path, std::ios::binary) << "P5\n"
+                                        << frame.width << " " << frame.height << "\n255\n"
+                                        << std::string(frame.grey.begin(), frame.grey.end());
+}
+
+TEST(CameraFrames, OfAnotherSizeAreTheReasonThatIsTold) {
+  const test::Folder folder;
+  const std::string film = folder / "film", file = folder / "camera.toml";
+  std::filesystem::create_directory(film);
+  const vision::Calibration calibration = vision::overhead_calibration(2.0, 1.5);
+  ASSERT_TRUE(save_calibration(calibration, file));
+  const Experiment platoon =
+      good(paper_experiment().source,
+           {"camera.source=images:" + film, "camera.calibration=" + file, "perturb=[]", "expect={}", "duration=1.6"});
+  const auto reference = make_reference(platoon);
+  std::vector<vision::SyntheticTag> tags;
+  for (std::size_t k = 0; k < platoon.robots.size(); ++k)
+    tags.push_back({platoon.robots[k].tag, reference->at(k, 0.0).pose, calibration.tag_size});
+  vision::Frame whole, small;
+  vision::SyntheticCamera(calibration).render(tags, 0.0, whole);
+  small.resize(640, 480);
+  write_pgm(whole, folder / "whole");
+  write_pgm(small, folder / "small");
+  for (int k = 0; k < 50; ++k)
+    std::filesystem::create_hard_link(folder / (k < 25 ? "whole" : "small"),
+                                      film + "/" + std::to_string(100 + k) + ".pgm");
+  auto session = Session::open(platoon, Session::Clock::virtual_);
+  ASSERT_TRUE(session) << session.error();
+  std::vector<std::string> told;
+  bool down = false;
+  static_cast<void>((*session)->run([&] {
+    for (std::string& sentence : (*session)->alarms()) told.push_back(std::move(sentence));
+    down = down || !(*session)->camera_status().down.empty();
+    return true;
+  }));
+  (*session)->close();
+  EXPECT_THAT(told, Contains(HasSubstr("frames are 640x480 px, but the calibration holds for 1280x960: robots stand")));
+  EXPECT_TRUE(down) << "the check list shows it";
 }
 
 }  // namespace
