@@ -519,27 +519,27 @@ tl::expected<RunIndex, std::string> RunIndex::open(const std::string& directory,
   if (!fs::is_directory(directory, error))
     return tl::unexpected(fmt::format("{}: there is no such directory: no run has been kept there", directory));
   const std::string file = (fs::path(directory) / ".index.sqlite").string();
-  enum class Trouble { none, unwritable, other };
   std::string why;
-  const auto attempt = [&](void (State::*open_at)(const std::string&), const std::string& place) {
+  bool unwritable = false;
+  const auto opens = [&](void (State::*open_at)(const std::string&), const std::string& place) {
     try {
       (*state.*open_at)(place);
       state->refresh();
-      return Trouble::none;
+      return true;
     } catch (const std::exception& found) {
       why = found.what();
+      unwritable = dynamic_cast<const Unwritable*>(&found) != nullptr;
       state->close();
-      return dynamic_cast<const Unwritable*>(&found) ? Trouble::unwritable : Trouble::other;
+      return false;
     }
   };
-  Trouble trouble = attempt(&State::open, file);
-  if (trouble == Trouble::other) {  // damaged, of another version, or no file
+  bool open = opens(&State::open, file);
+  if (!open && !unwritable) {  // damaged, of another version, or no file
     fs::remove(file, error);
-    trouble = attempt(&State::open, file);
+    open = opens(&State::open, file);
   }
-  if (trouble == Trouble::unwritable && fs::is_regular_file(file, error)) trouble = attempt(&State::open_copy, file);
-  if (trouble != Trouble::none) trouble = attempt(&State::open, ":memory:");
-  if (trouble != Trouble::none) return tl::unexpected(why);
+  if (!open && unwritable && fs::is_regular_file(file, error)) open = opens(&State::open_copy, file);
+  if (!open && !opens(&State::open, ":memory:")) return tl::unexpected(why);
   return RunIndex(std::move(state));
 }
 
