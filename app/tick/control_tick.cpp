@@ -766,7 +766,8 @@ void TickState::watch_progress() noexcept {
     if (planner && planner->state(i) == core::Planner::State::passing) progress.restart(i);
     const bool to_its_end = record.phase != Phase::staging && ends[i];
     const core::ProgressWatch::Away how_far{away, to_its_end ? core::distance(poses[i], *ends[i]) : none,
-                                            planner ? planner->time_left(i) : none};
+                                            planner ? planner->time_left(i) : none, poses[i],
+                                            followed[i].twist == core::Twist{}};
     if (!moving() || std::isnan(away) || !progress.stuck(i, how_far, motion_dt)) continue;
     note(events::NoProgress{i, away, hindrance(i)});
   }

@@ -5,11 +5,14 @@
 #include <limits>
 #include <vector>
 
+#include "core/geometry/pose.h"
+
 namespace skein::core {
 
 /// Detects robots that make no progress towards their places, whatever the cause. Progress means to come nearer to the
 /// place, or to where the place will finally rest, or to move along a planned route: the place itself may drive away
-/// meanwhile. Part of the tick: allocates in its constructor only.
+/// meanwhile. A route on which the reference drives and the robot does not is no progress, however often it begins
+/// anew. Part of the tick: allocates in its constructor only.
 class ProgressWatch {
  public:
   explicit ProgressWatch(std::size_t robots) : robots_(robots) {}
@@ -18,6 +21,8 @@ class ProgressWatch {
     double from_place;     ///< where the robot is to be now [m]
     double from_end;       ///< where its place will finally rest [m]; NaN: it drives on
     double along_a_route;  ///< time that its planned route still takes [s]; NaN: it has none
+    Pose at{};             ///< where the robot is
+    bool waits = false;    ///< its route has it stand for now, until others have passed
   };
 
   /// One tick: robot i is so far away and has been driven for `dt` [s]. True once when it has made no progress for
@@ -30,7 +35,9 @@ class ProgressWatch {
       return false;
     }
     if (std::isnan(away.along_a_route)) robot.route = {};
-    const bool gets_on = robot.route.nears(away.along_a_route, progress_on_route);
+    const bool runs = robot.route.nears(away.along_a_route, progress_on_route);
+    const bool gets_on = runs && (away.waits || has_moved(robot, away.at));
+    if (gets_on) robot.at = away.at;
     // Each of them keeps account of its distance: none may be left out because another one says yes.
     const bool nears_place = robot.place.nears(away.from_place, progress);
     const bool nears_end = robot.end.nears(away.from_end, progress);
@@ -51,7 +58,8 @@ class ProgressWatch {
   static constexpr double patience = 3.0;           ///< [s]
   static constexpr double long_patience = 10.0;     ///< with a robot that comes nearer again and again [s]
   static constexpr double progress = 0.01;          ///< that counts [m]
-  static constexpr double progress_on_route = 0.3;  ///< that counts [s]
+  static constexpr double progress_on_route = 0.3;  ///< that counts, if the robot has also moved by `progress`, [s]
+  static constexpr double turn = 0.2;               ///< or turned by so much [rad]
   static constexpr double at_its_place = 0.02;      ///< a robot this near to its place is not stuck [m]
 
  private:
@@ -83,9 +91,13 @@ class ProgressWatch {
   };
   struct Robot {
     Approach place, end, route;
+    Pose at{never, 0.0, 0.0};             // when it last made progress along a route
     double waited = 0.0, unbeaten = 0.0;  // [s]
     bool told = false;
   };
+  static bool has_moved(const Robot& robot, const Pose& to) noexcept {
+    return !(distance(robot.at, to) < progress && std::abs(wrap_angle(to.theta - robot.at.theta)) < turn);
+  }
   std::vector<Robot> robots_;
 };
 

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -15,7 +16,8 @@ TEST(ProgressWatch, ARobotWhosePlaceDrivesAwayIsStuckUnlessItGetsOnAlongItsRoute
   for (const bool on_route : {false, true}) {
     ProgressWatch watch(1);
     int said = 0;
-    for (int k = 0; k < 250; ++k) said += watch.stuck(0, {0.1 + 0.003 * k, none, on_route ? 20.0 - dt * k : none}, dt);
+    for (int k = 0; k < 250; ++k)
+      said += watch.stuck(0, {0.1 + 0.003 * k, none, on_route ? 20.0 - dt * k : none, {0.002 * k, 0.0, 0.0}}, dt);
     EXPECT_EQ(said, on_route ? 0 : 1);
   }
 }
@@ -32,8 +34,28 @@ TEST(ProgressWatch, ARobotBehindAPlaceThatDrivesOnIsStuckUnlessItComesNearerToTh
 TEST(ProgressWatch, ARouteThatStandsIsStuck) {
   ProgressWatch watch(1);
   int said = 0;
-  for (int k = 0; k < 250; ++k) said += watch.stuck(0, {0.1, 0.1, k < 100 ? 20.0 - dt * k : 16.0}, dt);
+  for (int k = 0; k < 250; ++k)
+    said += watch.stuck(0, {0.1, 0.1, k < 100 ? 20.0 - dt * k : 16.0, {0.0, 0.0, 0.02 * std::min(k, 100)}}, dt);
   EXPECT_EQ(said, 1);
+}
+
+TEST(ProgressWatch, ARobotThatStandsWhileItsRoutesBeginAnewIsStuck) {
+  for (const bool moves : {false, true}) {
+    ProgressWatch watch(1);
+    int said = 0;
+    for (int k = 0; k < 500; ++k)
+      said += watch.stuck(0, {0.1 + 0.002 * k, none, 6.0 - dt * (k % 15), {moves ? 0.001 * k : 0.0, 0.0, 0.0}}, dt);
+    EXPECT_EQ(said, moves ? 0 : 1);
+  }
+}
+
+TEST(ProgressWatch, ARobotThatItsRouteHasWaitIsNotStuck) {
+  for (const bool waits : {false, true}) {
+    ProgressWatch watch(1);
+    int said = 0;
+    for (int k = 0; k < 250; ++k) said += watch.stuck(0, {0.1 + 0.002 * k, none, 20.0 - dt * k, {}, waits}, dt);
+    EXPECT_EQ(said, waits ? 0 : 1);
+  }
 }
 
 TEST(ProgressWatch, ARobotThatFellBehindAndCatchesUpIsNotStuck) {
