@@ -42,11 +42,12 @@ int replay(const std::string& csv, const std::string& film, bool repaired, bool 
   if (result->filmed)
     fmt::print("frames: {}\nmissing_frames: {}\nposes: {}\nposes_different: {}\n", result->frames,
                result->missing_frames, result->poses, result->poses_different);
-  if (result->filmed && !result->lossless)
+  if (result->filmed && (!result->lossless || result->poses_approximate > 0))
     fmt::print(
-        "poses_missing: {}\npose_error_rms_mm: {:.4f}\npose_error_max_mm: {:.4f}\nheading_error_rms_deg: {:.4f}\n",
-        result->poses_missing, 1000.0 * result->pose_error_rms, 1000.0 * result->pose_error_max,
-        result->heading_error_rms * 180.0 / std::numbers::pi);
+        "poses_approximate: {}\nposes_missing: {}\npose_error_rms_mm: {:.4f}\npose_error_max_mm: {:.4f}\n"
+        "heading_error_rms_deg: {:.4f}\n",
+        result->poses_approximate, result->poses_missing, 1000.0 * result->pose_error_rms,
+        1000.0 * result->pose_error_max, result->heading_error_rms * 180.0 / std::numbers::pi);
   if (result->asked) {
     fmt::print("answers: {}\nanswers_different: {}\nanswers_late: {}\n", result->answers, result->answers_different,
                result->answers_late);

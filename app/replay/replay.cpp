@@ -29,13 +29,6 @@ bool same_bits(double a, double b) noexcept {
   return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
 }
 
-/// When the newest frame of a camera that a tick knew of was taken; a frame in which no robot was seen may be unknown.
-double newest_capture(std::span<const core::Measurement> by_camera) noexcept {
-  double newest = core::Measurement{}.captured_at;
-  for (const core::Measurement& seen : by_camera) newest = std::fmax(newest, seen.captured_at);
-  return newest;
-}
-
 struct Value {
   const char* name;
   double recorded, again;
@@ -55,10 +48,9 @@ bool same(const Value (&values)[N], const TickRecord& row, std::size_t robot, Re
   return true;
 }
 
-/// Of all cameras, the first one's poses first.
+/// Of one camera: `prefix` is "c2_", or nothing where there is one.
 void compare_poses(const TickRecord& row, std::span<const core::Measurement> recorded,
-                   std::span<const core::Measurement> again, ReplayResult& result) {
-  const std::size_t robots = row.robots.size();
+                   std::span<const core::Measurement> again, const std::string& prefix, ReplayResult& result) {
   for (std::size_t i = 0; i < again.size(); ++i) {
     const core::Measurement &a = recorded[i], &b = again[i];
     ++result.poses;
@@ -69,12 +61,11 @@ void compare_poses(const TickRecord& row, std::span<const core::Measurement> rec
                             {"t_meas", a.captured_at, b.captured_at},
                             {"sigma_xy", a.sigma_xy, b.sigma_xy},
                             {"sigma_theta", a.sigma_theta, b.sigma_theta}};
-    const std::string camera = again.size() > robots ? fmt::format("c{}_", i / robots + 1) : "";
-    result.poses_different += same(values, row, i % robots, result, camera) ? 0 : 1;
+    result.poses_different += same(values, row, i, result, prefix) ? 0 : 1;
   }
 }
 
-/// What the poses of a film with losses differ by from the recorded ones.
+/// What the poses of a film that cannot give them to the bit differ by from the recorded ones.
 class FilmLoss {
  public:
   void add(std::span<const core::Measurement> recorded, std::span<const core::Measurement> seen, ReplayResult& result) {
@@ -82,6 +73,7 @@ class FilmLoss {
       const core::Measurement &a = recorded[i], &b = seen[i];
       if (!(a.captured_at > core::Measurement{}.captured_at)) continue;  // this camera had not seen it yet
       ++result.poses;
+      ++result.poses_approximate;
       if (a.captured_at != b.captured_at) {
         ++result.poses_missing;
         continue;
@@ -202,7 +194,7 @@ tl::expected<ReplayResult, std::string> replay_into(std::istream& csv, const std
   FilmLoss loss;
   RecordedInput recorded(*experiment);
   const std::size_t robots = experiment->robots.size();
-  std::vector<core::Measurement> filmed(films.size() * robots);
+  std::vector<core::Measurement> filmed(films.size() * robots), inputs(filmed.size());
   TickRecord row;
   while (true) {
     const auto more = reader->next(row);
@@ -210,15 +202,19 @@ tl::expected<ReplayResult, std::string> replay_into(std::istream& csv, const std
     if (!*more) break;
     TickInput input = recorded.of(row);
     for (std::size_t k = 0; k < films.size(); ++k) {
-      const double newest = newest_capture(input.measurements.subspan(k * robots, robots));
-      if (const auto seen = films[k].advance(newest, std::span(filmed).subspan(k * robots, robots)); !seen)
-        return tl::unexpected(camera_prefix(*experiment, k) + seen.error());
+      const auto measured = input.measurements.subspan(k * robots, robots);
+      const auto seen = std::span(filmed).subspan(k * robots, robots),
+                 used = std::span(inputs).subspan(k * robots, robots);
+      if (const auto read = films[k].advance(newest_capture(measured), seen); !read)
+        return tl::unexpected(camera_prefix(*experiment, k) + read.error());
+      const bool to_the_bit = films[k].lossless() && films[k].complete();
+      if (to_the_bit)
+        compare_poses(row, measured, seen, films.size() > 1 ? fmt::format("c{}_", k + 1) : std::string(), result);
+      else
+        loss.add(measured, seen, result);
+      std::copy_n((to_the_bit ? std::span<const core::Measurement>(seen) : measured).begin(), robots, used.begin());
     }
-    if (!films.empty()) {
-      result.lossless ? compare_poses(row, input.measurements, filmed, result)
-                      : loss.add(input.measurements, filmed, result);
-      if (result.lossless) input.measurements = filmed;
-    }
+    if (!films.empty()) input.measurements = inputs;
     tick.see(input);
     if (asked) asked->heed(tick.record().events);
     if (const core::ControllerInput* const question = tick.ask(); asked && question) {

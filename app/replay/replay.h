@@ -24,9 +24,10 @@ struct ReplayResult {
   std::int64_t missing_frames = 0;     ///< dropped by its recorder
   std::int64_t poses = 0;              ///< compared: one per robot and tick
   std::int64_t poses_different = 0;    ///< that did not come out bit for bit
-  bool lossless = true;                ///< the film; if it is not, the commands come from the recorded poses instead
-  std::int64_t poses_missing = 0;      ///< poses that a lossy film does not yield for the same frame
-  double pose_error_rms = 0.0;         ///< of the others: their distance from the recorded ones [m]
+  bool lossless = true;                ///< the film
+  std::int64_t poses_approximate = 0;  ///< of poses: not from a lossless film, or after a frame that it lacks
+  std::int64_t poses_missing = 0;      ///< of poses_approximate: the film does not yield them for the same frame
+  double pose_error_rms = 0.0;         ///< of the others of them: their distance from the recorded ones [m]
   double pose_error_max = 0.0;         ///< [m]
   double heading_error_rms = 0.0;      ///< [rad]
   bool asked = false;                  ///< the run's own controller was started again, with the same questions
@@ -42,10 +43,11 @@ struct ReplayResult {
 /// omega and both wheels) with the recorded one. `file` is the stream's name in messages. The error has the place of
 /// invalid input.
 /// With the film of the run (`skein run --video`; of several cameras the first one's, film_paths names the others), the
-/// measurements come from it instead, through the same tracker, and are compared with the recorded ones too. Poses from
-/// a film that is not lossless are only compared: `pose_error_rms`. Empty: none.
-/// The answers of the run's own controller are taken from the record. With `controller` that controller is also
-/// started, in the current directory, asked again, and its answers are compared with the recorded ones.
+/// measurements come from it instead, through the same tracker, and are compared with the recorded ones too. From a
+/// film that is not lossless, and after a frame that the recorder dropped, poses are only compared (`pose_error_rms`),
+/// and commands come from the recorded ones. Empty: none. The answers of the run's own controller are taken from the
+/// record. With `controller` that controller is also started, in the current directory, asked again, and its answers
+/// are compared with the recorded ones.
 tl::expected<ReplayResult, std::string> replay(std::istream& csv, const std::string& file, const std::string& film = {},
                                                bool controller = false);
 

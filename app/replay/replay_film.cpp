@@ -1,10 +1,17 @@
 #include "app/replay/replay_film.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "app/session/camera_rig.h"
 
 namespace skein::app {
+
+double newest_capture(std::span<const core::Measurement> by_camera) noexcept {
+  double newest = core::Measurement{}.captured_at;
+  for (const core::Measurement& seen : by_camera) newest = std::fmax(newest, seen.captured_at);
+  return newest;
+}
 
 tl::expected<ReplayFilm, std::string> ReplayFilm::open(const std::string& path, const Experiment& experiment) {
   auto film = open_film(path);
@@ -42,6 +49,8 @@ tl::expected<void, std::string> ReplayFilm::advance(double time, std::span<core:
     has_next_ = false;
   }
   if (ended_ && frames_ > 0) short_by_ = std::max(short_by_, time - last_at_);
+  const bool next_lacks = ended_ || next_.index > last_index_ + 1;
+  if (missing_ > 0 || (next_lacks && newest_capture(newest) < time)) complete_ = false;
   return {};
 }
 

@@ -16,6 +16,9 @@
 
 namespace skein::app {
 
+/// When the newest frame of a camera that a tick knew of was taken; a frame in which no robot was seen may be unknown.
+double newest_capture(std::span<const core::Measurement> by_camera) noexcept;
+
 /// Runs the film of one of a run's cameras through the same tracker again.
 class ReplayFilm {
  public:
@@ -31,6 +34,8 @@ class ReplayFilm {
   /// Whether its pixels are those that the tracker saw during the run.
   bool lossless() const;
 
+  /// Whether the tracker has received every frame up to the last `time` that it received in the run.
+  bool complete() const noexcept { return complete_; }
   std::int64_t frames() const noexcept { return frames_; }    ///< processed
   double short_by() const noexcept { return short_by_; }      ///< how long before the last `time` it ends [s]
   std::int64_t missing() const noexcept { return missing_; }  ///< that the recorder had dropped before those
@@ -43,7 +48,7 @@ class ReplayFilm {
   vision::TagTracker tracker_;
   std::vector<int> wanted_;
   vision::Frame next_;
-  bool has_next_ = false, ended_ = false;
+  bool has_next_ = false, ended_ = false, complete_ = true;
   std::int64_t frames_ = 0, missing_ = 0, last_index_ = -1;
   double last_at_ = 0.0, short_by_ = 0.0;  // [s]
 };

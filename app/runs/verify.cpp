@@ -77,12 +77,17 @@ Step check_experiment(const std::string& folder, const std::string& csv) {
   return {"experiment", true, "run.csv embeds experiment.toml"};
 }
 
-/// A film with losses proves no pose to the bit, but shows that the poses were measured.
-std::string film_loss(const ReplayResult& result) {
-  return fmt::format(
-      "; the film, which is not lossless, gives {} of {} poses, {:.3f} mm (rms), at most {:.3f} mm, apart",
-      result.poses - result.poses_missing, result.poses, 1000.0 * result.pose_error_rms,
-      1000.0 * result.pose_error_max);
+/// A film with losses, or after a frame that it lacks, proves no pose to the bit, but shows that the poses were
+/// measured.
+std::string from_film(const ReplayResult& result) {
+  if (!result.filmed) return {};
+  const std::string exact =
+      result.lossless ? fmt::format(", from the {} frames of the film", result.frames) : std::string();
+  if (result.poses_approximate == 0) return exact;
+  return fmt::format("{}; the film, which {}, gives {} of {} {}poses, {:.3f} mm (rms), at most {:.3f} mm, apart", exact,
+                     result.lossless ? "lacks frames" : "is not lossless",
+                     result.poses_approximate - result.poses_missing, result.poses_approximate,
+                     result.lossless ? "later " : "", 1000.0 * result.pose_error_rms, 1000.0 * result.pose_error_max);
 }
 
 Step check_commands(const std::string& folder, const std::string& csv, std::vector<std::string>& notes) {
@@ -98,9 +103,7 @@ Step check_commands(const std::string& folder, const std::string& csv, std::vect
                         result->poses_different, result->poses, result->first)};
   return {"commands", true,
           fmt::format("{} commands of {} ticks are the same, bit for bit{}", result->commands, result->ticks,
-                      !result->filmed    ? ""
-                      : result->lossless ? fmt::format(", from the {} frames of the film", result->frames)
-                                         : film_loss(*result))};
+                      from_film(*result))};
 }
 
 /// Compares what a run writes with a file, line by line. The first line, which names the program, may differ.

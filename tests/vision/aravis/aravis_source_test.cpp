@@ -31,9 +31,9 @@ double exposed_at(const Frame& frame) {
   return time;
 }
 
-/// How late captured_at is against the middle of the exposure, the median of some frames [s].
+/// How late captured_at is against the middle of the exposure: of some frames the median and the least [s].
 struct Timing {
-  double late = 0.0;
+  double late = 0.0, least = 0.0;
 };
 Timing measure(FrameSource& camera, double exposure, int frames, int settling) {
   Frame frame;
@@ -45,7 +45,7 @@ Timing measure(FrameSource& camera, double exposure, int frames, int settling) {
     if (i >= settling) late.push_back(frame.captured_at - exposed_at(frame) - 0.5 * exposure);
   }
   std::nth_element(late.begin(), late.begin() + frames / 2, late.end());
-  return {late[static_cast<std::size_t>(frames / 2)]};
+  return {late[static_cast<std::size_t>(frames / 2)], *std::min_element(late.begin(), late.end())};
 }
 
 TEST(Aravis, FindsCamerasAndSaysWhatTheyCanDo) {
@@ -174,8 +174,8 @@ TEST(Aravis, AClockThatCannotBeReadIsReported) {
   EXPECT_NE((*camera)->status().notices[0].find("its clock cannot be read"), std::string::npos);
   const Timing timing = measure(**camera, exposure, 40, 30);
   EXPECT_EQ((*camera)->stamps(), TimeStamps::frame_end);
-  EXPECT_GT(timing.late, 0.0005) << "1 ms until the first packet is the least";
-  EXPECT_LT(timing.late, 0.02);
+  EXPECT_GT(timing.least, 0.0005) << "1 ms until the first packet is the least";
+  EXPECT_LT(timing.least, 0.02) << "of the frame that a busy machine let wait the least";
 }
 
 TEST(Aravis, SoftwareTriggerGivesAFrameWhenItIsTime) {
