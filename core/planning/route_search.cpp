@@ -312,7 +312,9 @@ void RouteSearch::expand(std::uint32_t node) noexcept {
     return Lattice::Edge{std::hypot(dx, dy), std::atan2(dy, dx)};
   };
   if (begins) {
-    lattice_->near(here.x, here.y, attach * lattice_->cell(), [&](std::size_t u) {
+    // A robot that was put on an obstacle, or over the edge, has so much farther to the nearest vertex.
+    const double inside = std::max(0.0, -lattice_->room(here.x, here.y));
+    lattice_->near(here.x, here.y, attach * lattice_->cell() + inside, [&](std::size_t u) {
       if (left_[u] < unreached && lattice_->free(here, lattice_->place(u)))
         drive(u, headings - 1, line_to(lattice_->place(u)));
     });

@@ -678,6 +678,32 @@ TEST(Planner, WhoHasNoPlaceBecauseOfAnObstacleLeavesThatOfAnother) {
   EXPECT_GE(o.least, 0.078 - 1e-6);
 }
 
+/// A hand put it there, or the obstacle down over it. Every vertex that it might drive to was too far away.
+TEST(Planner, LeavesAnObstacleOnWhichItStands) {
+  for (const double radius : {0.03, 0.05, 0.07, 0.15})
+    for (const double off : {0.0, 0.01, 0.02}) {
+      Scene scene;
+      scene.starts = {{off, 0.0, 1.0}};
+      scene.lines.add(scene.starts[0], {-0.6, 0.1, 0.0});
+      scene.obstacles = {{0.0, 0.0, radius}};
+      scene.duration = 40.0;
+      EXPECT_GT(run(scene).arrived, 0.0) << radius << " " << off;
+    }
+}
+
+/// The straight line back is taken by one that is held.
+TEST(Planner, ComesBackFromOutsideTheArenaRoundAnother) {
+  Scene scene;
+  scene.starts = {{0.4, 0.0, 0.0}, {1.15, 0.0, 0.0}};
+  scene.lines.add(scene.starts[0], scene.starts[0]);
+  scene.lines.add(scene.starts[1], {0.0, 0.0, 0.0});
+  scene.out = [](std::size_t, double) { return std::vector<std::uint8_t>{1, 0}; };
+  scene.duration = 40.0;
+  const Outcome o = run(scene);
+  EXPECT_LT(core::distance(o.last[1], Pose{}), 0.01);
+  EXPECT_GE(o.least, 0.078 - 1e-6);
+}
+
 TEST(Planner, WhoHadNoPlaceGoesThereOnceItIsFree) {
   const Outcome o = run(first_stands(
       {{{0.4, 0.0, 0.0}, {0.6, 0.4, 0.0}}, {{0.0, 0.0, 0.0}, {0.4, 0.0, 0.0}}, {{-0.5, 0.0, 0.0}, {}}}, 20.0));
