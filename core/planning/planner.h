@@ -155,7 +155,7 @@ class Planner {
     Pose before;  // its pose at the previous step
     std::size_t waits_for = 0, taken_by = 0;
     bool no_way = false, needs_plan = false;
-    bool makes_room = false;  // its place is taken: it drives to where it blocks no other robot
+    bool makes_room = false;  // there is no way to its place: it drives to where it blocks no other robot
     bool all_anew = false;    // and all robots with it
     bool stood = false;       // it was out, or stuck
     double stood_for = 0.0;   // how long [s]

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace skein::core {
 namespace {
@@ -269,8 +270,14 @@ void Planner::go_on_with_group(const Scene& scene, std::span<const ReferencePoin
       continue;
     }
     const bool gives_up = g.attempt > most_attempts || scene.t > g.began + longest_planning;
-    if (gives_up || g.next == 0) {  // first and yet no way: it stands where it is
-      stays();
+    if (gives_up || g.next == 0) {  // first and yet no way
+      // It waits where it blocks no other robot, like one whose place is taken, and is planned last. If it cannot go
+      // there either, it stands where it is.
+      if (std::exchange(robots_[i].makes_room, true))
+        stays();
+      else
+        std::rotate(g.order.begin() + static_cast<std::ptrdiff_t>(g.next),
+                    g.order.begin() + static_cast<std::ptrdiff_t>(g.next + 1), g.order.end());
     } else {
       std::rotate(g.order.begin(), g.order.begin() + static_cast<std::ptrdiff_t>(g.next),
                   g.order.begin() + static_cast<std::ptrdiff_t>(g.next + 1));

@@ -704,6 +704,35 @@ TEST(Planner, ComesBackFromOutsideTheArenaRoundAnother) {
   EXPECT_GE(o.least, 0.078 - 1e-6);
 }
 
+/// A wall keeps the first robot from its place. It stood at the second's place, which waited for ever.
+TEST(Planner, WhoHasNoWayLeavesThePlaceOfAnother) {
+  Scene scene;
+  wall(scene, 0.0, -0.75, 0.0, 0.75);
+  scene.starts = {{-0.5, 0.0, 0.0}, {-0.5, 0.5, 0.0}};
+  scene.lines.add(scene.starts[0], {0.5, 0.0, 0.0});
+  scene.lines.add(scene.starts[1], {-0.5, 0.0, 0.0});
+  scene.duration = 40.0;
+  const Outcome o = run(scene);
+  EXPECT_LT(core::distance(o.last[1], Pose{-0.5, 0.0, 0.0}), 0.01);
+  EXPECT_TRUE(o.no_way) << "of the first";
+  EXPECT_GE(o.least, 0.078 - 1e-6);
+}
+
+TEST(Planner, WhoHasNoWayLeavesADoor) {
+  Scene scene;
+  const double half = 0.5 * 0.098 + 0.02;
+  wall(scene, -0.3, -0.75, -0.3, -half);
+  wall(scene, -0.3, half, -0.3, 0.75);
+  wall(scene, 0.4, -0.75, 0.4, 0.75);
+  scene.starts = {{-0.3, 0.0, 0.0}, {-0.7, 0.1, 0.0}};
+  scene.lines.add(scene.starts[0], {0.7, 0.0, 0.0});
+  scene.lines.add(scene.starts[1], {0.1, 0.3, 0.0});
+  scene.duration = 60.0;
+  const Outcome o = run(scene);
+  EXPECT_LT(core::distance(o.last[1], Pose{0.1, 0.3, 0.0}), 0.01);
+  EXPECT_GE(o.least, 0.078 - 1e-6);
+}
+
 TEST(Planner, WhoHadNoPlaceGoesThereOnceItIsFree) {
   const Outcome o = run(first_stands(
       {{{0.4, 0.0, 0.0}, {0.6, 0.4, 0.0}}, {{0.0, 0.0, 0.0}, {0.4, 0.0, 0.0}}, {{-0.5, 0.0, 0.0}, {}}}, 20.0));
