@@ -296,10 +296,11 @@ void RouteSearch::expand(std::uint32_t node) noexcept {
     theta = came < Lattice::directions ? lattice_->edge(from, came).heading
                                        : std::atan2(here.y - before.y, here.x - before.x);
   }
+  double waits = 0.0;  // at the start [s]
   const auto drive = [&](std::size_t to, std::size_t heading, const Lattice::Edge& edge) {
     const double turn = edge.way > 1e-9 ? wrap_angle(edge.heading - theta) : 0.0;
     const bool straight = !begins && std::abs(turn) < 0.02;
-    const double ready = n.g + (straight ? 0.0 : query_.pace.turn_time(turn));
+    const double ready = n.g + (straight ? 0.0 : query_.pace.turn_time(turn)) + waits;
     double duration = edge.way / query_.pace.v + (straight ? 0.0 : start_time);
     // Between two vertices that are far enough from another robot a line comes nearer to it. Of two that stand close
     // together each would wait for the other to leave first.
@@ -314,14 +315,17 @@ void RouteSearch::expand(std::uint32_t node) noexcept {
   if (begins) {
     // A robot that was put on an obstacle, or over the edge, has so much farther to the nearest vertex.
     const double inside = std::max(0.0, -lattice_->room(here.x, here.y));
-    lattice_->near(here.x, here.y, attach * lattice_->cell() + inside, [&](std::size_t u) {
-      if (left_[u] < unreached && lattice_->free(here, lattice_->place(u)))
-        drive(u, headings - 1, line_to(lattice_->place(u)));
-    });
-    if (!query_.away_from.empty()) return;
     const Lattice::Place to = place(goal());
-    if (std::hypot(to.x - here.x, to.y - here.y) < attach * lattice_->cell() && lattice_->free(here, to))
-      drive(goal(), headings - 1, line_to(to));
+    // Where others bar every line, as in a corner, it waits until they have left.
+    for (; waits < most_waits * wait_step && open_.empty(); waits += 1.0) {
+      lattice_->near(here.x, here.y, attach * lattice_->cell() + inside, [&](std::size_t u) {
+        if (left_[u] < unreached && lattice_->free(here, lattice_->place(u)))
+          drive(u, headings - 1, line_to(lattice_->place(u)));
+      });
+      if (query_.away_from.empty() && std::hypot(to.x - here.x, to.y - here.y) < attach * lattice_->cell() &&
+          lattice_->free(here, to))
+        drive(goal(), headings - 1, line_to(to));
+    }
     return;
   }
   for (std::size_t d = 0; d < Lattice::directions; ++d) {

@@ -733,6 +733,24 @@ TEST(Planner, WhoHasNoWayLeavesADoor) {
   EXPECT_GE(o.least, 0.078 - 1e-6);
 }
 
+/// A hand put the second so near to the first, in the corner, that every line out of there came nearer to it. The first
+/// found no way, however far away the second would be by then, and both were planned anew without end.
+TEST(Planner, WhoIsShutInByOneThatLeavesWaitsForIt) {
+  for (int degrees = 15; degrees <= 75; degrees += 5) {
+    const double direction = degrees * core::pi / 180.0;
+    Scene scene;
+    scene.starts = {{-0.959, -0.711, 1.5},
+                    {-0.959 + 0.074 * std::cos(direction), -0.711 + 0.074 * std::sin(direction), -1.3}};
+    scene.lines.add(scene.starts[0], {-0.89, 0.60, 0.0});
+    scene.lines.add(scene.starts[1], {-0.70, -0.48, 0.0});
+    scene.duration = 60.0;
+    const Outcome o = run(scene);
+    EXPECT_GT(o.arrived, 0.0) << degrees;
+    EXPECT_LT(o.arrived, 30.0) << degrees;
+    EXPECT_GE(o.least, 0.074 - 1e-6) << degrees;
+  }
+}
+
 TEST(Planner, WhoHadNoPlaceGoesThereOnceItIsFree) {
   const Outcome o = run(first_stands(
       {{{0.4, 0.0, 0.0}, {0.6, 0.4, 0.0}}, {{0.0, 0.0, 0.0}, {0.4, 0.0, 0.0}}, {{-0.5, 0.0, 0.0}, {}}}, 20.0));
