@@ -34,6 +34,30 @@ constexpr std::int64_t frames_between_looks = 25;
 
 using detail::four_letters;
 
+/// What is wrong with frames of these fields, for people; nothing where all rows of a frame are of one moment.
+const char* fields_lack(std::uint32_t field) {
+  switch (field) {
+    case V4L2_FIELD_INTERLACED:
+    case V4L2_FIELD_INTERLACED_TB:
+    case V4L2_FIELD_INTERLACED_BT:
+      return "its frames are interlaced (INTERLACED), every other row is of another moment: robots that drive are seen "
+             "at wrong places or not at all; select a progressive mode";
+    case V4L2_FIELD_SEQ_TB:
+    case V4L2_FIELD_SEQ_BT:
+      return "its frames are interlaced (SEQUENTIAL), two pictures of half the height, one below the other: every tag "
+             "is there twice; select a progressive mode";
+    case V4L2_FIELD_ALTERNATE:
+      return "its frames are interlaced (ALTERNATE), with the even rows of the picture and the odd ones in turn: every "
+             "tag jumps by a row; select a progressive mode";
+    case V4L2_FIELD_TOP:
+    case V4L2_FIELD_BOTTOM:
+      return "its frames have every other row of the picture (TOP or BOTTOM): select a progressive mode, or calibrate "
+             "the camera in this one";
+    default:  // NONE; some drivers leave ANY
+      return nullptr;
+  }
+}
+
 class V4l2Camera final : public FrameSource {
  public:
   V4l2Camera(std::string device, SourceOptions options, V4l2Kernel& kernel)
@@ -49,7 +73,7 @@ class V4l2Camera final : public FrameSource {
     if (problem.empty()) {
       const auto set = set_controls(device_, options_.controls);
       if (set)
-        note(*set, {slow_rate(), automatic()});
+        note(*set, {slow_rate(), automatic(), interlaced()});
       else
         problem = set.error();
     }
@@ -125,6 +149,12 @@ class V4l2Camera final : public FrameSource {
     if (options_.rate <= 0.0 || 1.0 / period_ >= as_good * options_.rate) return {};
     return fmt::format("{}: delivers {:.3g} frames/s at {}x{} {}, not {:.3g}", device_.path(), 1.0 / period_, width_,
                        height_, four_letters(format_), options_.rate);
+  }
+
+  /// Empty, or a sentence that its rows are not of one moment, or not all there.
+  std::string interlaced() const {
+    const char* lacks = fields_lack(field_);
+    return lacks ? fmt::format("{}: {}", device_.path(), lacks) : std::string();
   }
 
   /// What others may change while frames are read. Before the wait for a frame: a kernel may ask the camera over USB
@@ -250,6 +280,7 @@ class V4l2Camera final : public FrameSource {
     width_ = static_cast<int>(format.fmt.pix.width);
     height_ = static_cast<int>(format.fmt.pix.height);
     stride_ = format.fmt.pix.bytesperline;
+    field_ = format.fmt.pix.field;
     if (format_ != pixels_->number)
       return fmt::format("{}: gives {} instead of the requested {}", device_.path(), four_letters(format_),
                          four_letters(pixels_->number));
@@ -384,6 +415,7 @@ class V4l2Camera final : public FrameSource {
   std::vector<Buffer> buffers_;
   std::uint32_t format_ = 0;
   const detail::PixelFormat* pixels_ = nullptr;
+  std::uint32_t field_ = V4L2_FIELD_NONE;
   int width_ = 0;
   int height_ = 0;
   std::size_t stride_ = 0;      // bytes from row to row

@@ -32,6 +32,7 @@ class FakeCamera final : public V4l2Kernel {
   std::map<std::uint32_t, std::vector<std::uint32_t>> rates{};  // by format, at every size; others give 30 and 15
   std::uint32_t rate = 10;                                      // as it is set, or what it gives for what it is asked
   std::uint32_t padding = 0;                                    // bytes at the end of each row
+  std::uint32_t field = V4L2_FIELD_NONE;                        // that it gives whatever it is asked for
   std::uint32_t timestamp = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
   std::string driver{};
   std::string hwtimestamps{};  // the parameter of uvcvideo
@@ -240,6 +241,7 @@ class FakeCamera final : public V4l2Kernel {
     format.fmt.pix.height = height;
     format.fmt.pix.pixelformat = pixelformat;
     format.fmt.pix.bytesperline = stride();
+    format.fmt.pix.field = field;
   }
   /// As a driver does: into the oldest free buffer, or nowhere when the program has them all.
   void fill(const Shot& shot) {

@@ -124,6 +124,30 @@ TEST(V4l2, TellsWhatTheCameraSetsByItselfUntilItIsSwitchedOff) {
   EXPECT_TRUE((*camera)->status().automatics.empty());
 }
 
+TEST(V4l2, SaysWhenRowsAreNotOfOneMoment) {
+  for (const auto& [field, name] :
+       std::initializer_list<std::pair<std::uint32_t, const char*>>{{V4L2_FIELD_NONE, nullptr},
+                                                                    {V4L2_FIELD_ANY, nullptr},
+                                                                    {V4L2_FIELD_INTERLACED, "INTERLACED"},
+                                                                    {V4L2_FIELD_INTERLACED_TB, "INTERLACED"},
+                                                                    {V4L2_FIELD_INTERLACED_BT, "INTERLACED"},
+                                                                    {V4L2_FIELD_SEQ_TB, "SEQUENTIAL"},
+                                                                    {V4L2_FIELD_SEQ_BT, "SEQUENTIAL"},
+                                                                    {V4L2_FIELD_ALTERNATE, "ALTERNATE"},
+                                                                    {V4L2_FIELD_TOP, "TOP"},
+                                                                    {V4L2_FIELD_BOTTOM, "BOTTOM"}}) {
+    FakeCamera fake;
+    fake.field = field;
+    const auto camera = open_v4l2("/dev/fake", {}, fake);
+    ASSERT_TRUE(camera) << camera.error();
+    const auto notices = (*camera)->status().notices;
+    ASSERT_EQ(notices.size(), name ? 1U : 0U) << field;
+    if (name) {
+      EXPECT_NE(notices[0].find(name), std::string::npos) << notices[0];
+    }
+  }
+}
+
 TEST(V4l2, TakesTheFastestFormatWhereNoneGivesTheRate) {
   FakeCamera fake;
   fake.formats = {V4L2_PIX_FMT_YUYV, V4L2_PIX_FMT_UYVY};
