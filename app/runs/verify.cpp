@@ -81,8 +81,7 @@ Step check_experiment(const std::string& folder, const std::string& csv) {
 /// measured.
 std::string from_film(const ReplayResult& result) {
   if (!result.filmed) return {};
-  std::string exact =
-      result.lossless ? fmt::format(", from the {} frames of the film", result.frames) : std::string();
+  std::string exact = result.lossless ? fmt::format(", from the {} frames of the film", result.frames) : std::string();
   if (result.poses_approximate == 0) return exact;
   return fmt::format("{}; the film, which {}, gives {} of {} {}poses, {:.3f} mm (rms), at most {:.3f} mm, apart", exact,
                      result.lossless ? "lacks frames" : "is not lossless",
