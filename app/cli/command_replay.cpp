@@ -42,7 +42,7 @@ int replay(const std::string& csv, const std::string& film, bool repaired, bool 
   if (result->filmed)
     fmt::print("frames: {}\nmissing_frames: {}\nposes: {}\nposes_different: {}\n", result->frames,
                result->missing_frames, result->poses, result->poses_different);
-  if (result->filmed && (!result->lossless || result->poses_approximate > 0))
+  if (!result->lossless || result->poses_approximate > 0)
     fmt::print(
         "poses_approximate: {}\nposes_missing: {}\npose_error_rms_mm: {:.4f}\npose_error_max_mm: {:.4f}\n"
         "heading_error_rms_deg: {:.4f}\n",

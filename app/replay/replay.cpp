@@ -205,14 +205,15 @@ tl::expected<ReplayResult, std::string> replay_into(std::istream& csv, const std
       const auto measured = input.measurements.subspan(k * robots, robots);
       const auto seen = std::span(filmed).subspan(k * robots, robots),
                  used = std::span(inputs).subspan(k * robots, robots);
-      if (const auto read = films[k].advance(newest_capture(measured), seen); !read)
+      if (const auto read = films[k].advance(measured, seen); !read)
         return tl::unexpected(camera_prefix(*experiment, k) + read.error());
-      const bool to_the_bit = films[k].lossless() && films[k].complete();
-      if (to_the_bit)
+      if (films[k].exact()) {
         compare_poses(row, measured, seen, films.size() > 1 ? fmt::format("c{}_", k + 1) : std::string(), result);
-      else
+        std::copy(seen.begin(), seen.end(), used.begin());
+      } else {
         loss.add(measured, seen, result);
-      std::copy_n((to_the_bit ? std::span<const core::Measurement>(seen) : measured).begin(), robots, used.begin());
+        std::copy(measured.begin(), measured.end(), used.begin());
+      }
     }
     if (!films.empty()) input.measurements = inputs;
     tick.see(input);

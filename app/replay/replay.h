@@ -45,9 +45,9 @@ struct ReplayResult {
 /// With the film of the run (`skein run --video`; of several cameras the first one's, film_paths names the others), the
 /// measurements come from it instead, through the same tracker, and are compared with the recorded ones too. From a
 /// film that is not lossless, and after a frame that the recorder dropped, poses are only compared (`pose_error_rms`),
-/// and commands come from the recorded ones. Empty: none. The answers of the run's own controller are taken from the
-/// record. With `controller` that controller is also started, in the current directory, asked again, and its answers
-/// are compared with the recorded ones.
+/// and commands come from the recorded ones. Empty: none.
+/// The answers of the run's own controller are taken from the record. With `controller` that controller is also
+/// started, in the current directory, asked again, and its answers are compared with the recorded ones.
 tl::expected<ReplayResult, std::string> replay(std::istream& csv, const std::string& file, const std::string& film = {},
                                                bool controller = false);
 

@@ -7,11 +7,16 @@
 
 namespace skein::app {
 
+namespace {
+
+/// When the newest frame of a camera that a tick knew of was taken; a frame in which no robot was seen may be unknown.
 double newest_capture(std::span<const core::Measurement> by_camera) noexcept {
   double newest = core::Measurement{}.captured_at;
   for (const core::Measurement& seen : by_camera) newest = std::fmax(newest, seen.captured_at);
   return newest;
 }
+
+}  // namespace
 
 tl::expected<ReplayFilm, std::string> ReplayFilm::open(const std::string& path, const Experiment& experiment) {
   auto film = open_film(path);
@@ -31,7 +36,9 @@ bool ReplayFilm::lossless() const {
   return coding == source_->notes().end() || coding->second == word(vision::FilmCoding::lossless);
 }
 
-tl::expected<void, std::string> ReplayFilm::advance(double time, std::span<core::Measurement> newest) {
+tl::expected<void, std::string> ReplayFilm::advance(std::span<const core::Measurement> recorded,
+                                                    std::span<core::Measurement> newest) {
+  const double time = newest_capture(recorded);
   while (!ended_) {
     if (!has_next_) {
       const auto read = source_->read(next_);
@@ -49,8 +56,9 @@ tl::expected<void, std::string> ReplayFilm::advance(double time, std::span<core:
     has_next_ = false;
   }
   if (ended_ && frames_ > 0) short_by_ = std::max(short_by_, time - last_at_);
-  const bool next_lacks = ended_ || next_.index > last_index_ + 1;
-  if (missing_ > 0 || (next_lacks && newest_capture(newest) < time)) complete_ = false;
+  // The frame of the recorded measurement is missing if the film ends, or has a gap, before it.
+  const bool gap_follows = ended_ || next_.index > last_index_ + 1;
+  if (missing_ > 0 || (gap_follows && newest_capture(newest) < time)) exact_ = false;
   return {};
 }
 
