@@ -5,11 +5,13 @@
 #include <QLabel>
 #include <QSignalSpy>
 #include <algorithm>
+#include <filesystem>
 
 #include "app/runs/find_run.h"
 #include "app/runs/run_folder.h"
 #include "app/runs/verify.h"
 #include "operator.h"
+#include "tests/app/film_copy.h"
 #include "tests/places.h"
 #include "ui/base/settings.h"
 #include "ui/main/result_controller.h"
@@ -103,6 +105,20 @@ TEST_F(Keep, ARunWithACameraHasItsFilmIfThatIsWanted) {
     from_film = from_film || step.finding.find("frames of the film") != std::string::npos;
   }
   EXPECT_TRUE(from_film);
+
+  // Without one frame: the film is not the run's any more, but it does not show other commands.
+  const std::string film = folder.toStdString() + "/film.mkv";
+  skein::test::copy_film(film, film + ".copy", {20});
+  std::filesystem::rename(film + ".copy", film);
+  const auto lacking = app::verify_run(folder.toStdString());
+  ASSERT_TRUE(lacking) << lacking.error();
+  for (const auto& step : lacking->steps) {
+    EXPECT_EQ(step.holds, step.what != "files") << step.what << ": " << step.finding;
+    if (step.what == "commands") {
+      EXPECT_NE(step.finding.find("frames of the film; the film, which lacks frames, gives "), std::string::npos)
+          << step.finding;
+    }
+  }
 }
 
 TEST_F(Keep, ARunHasThePictureOfATagThatWasNotSeen) {

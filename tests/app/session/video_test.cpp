@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <sstream>
@@ -14,9 +13,9 @@
 #include "app/record/csv_writer.h"
 #include "app/replay/replay.h"
 #include "app/session/session.h"
+#include "tests/app/film_copy.h"
 #include "tests/app/folder.h"
 #include "tests/app/rows.h"
-#include "vision/recording/recorder.h"
 #include "vision/sources/open_source.h"
 #include "vision/tracker/tracker.h"
 
@@ -136,24 +135,13 @@ TEST(Video, OfACameraThatFroze) {
   EXPECT_EQ(result->missing_frames, 0);
 }
 
-/// A copy of a film without some of its frames, as a recorder leaves it whose encoder or disk is too slow.
-void copy_film(const std::string& from, const std::string& to, const std::vector<std::int64_t>& dropped) {
-  auto film = vision::open_source("video:" + from);
-  ASSERT_TRUE(film) << film.error();
-  auto copy = vision::Recorder::open(to, (*film)->notes());
-  ASSERT_TRUE(copy) << copy.error();
-  for (vision::Frame frame; (*film)->read(frame).value();)
-    if (std::find(dropped.begin(), dropped.end(), frame.index) == dropped.end()) (*copy)->add(frame);
-  EXPECT_EQ((*copy)->finish().problem, "");
-}
-
 /// The tracker had seen the frames that a film lacks: what it measures afterwards is not the same to the bit, and that
 /// is no sign of a changed record. Up to there it is.
 TEST(Video, WithoutSomeFramesProvesThePosesBeforeThemAndEveryCommand) {
   const test::Folder folder;
   const std::string csv = csv_of(short_film_run({"duration=1"}), folder / "run.mkv");
   const auto replayed = [&](const std::vector<std::int64_t>& dropped) {
-    copy_film(folder / "run.mkv", folder / "lacks.mkv", dropped);
+    test::copy_film(folder / "run.mkv", folder / "lacks.mkv", dropped);
     std::istringstream in(csv);
     auto result = replay(in, "run.csv", folder / "lacks.mkv");
     std::filesystem::remove(folder / "lacks.mkv");
@@ -200,7 +188,18 @@ TEST(Video, ReplaysTheFilmsOfTwoCamerasBitForBit) {
   for (vision::Frame frame; (*film)->read(frame).value();) told = told || !frame.note.empty();
   EXPECT_TRUE(told) << "the film says what the tracker knew of the other camera";
 
-  // Of a shorter run, in the place of the second camera's.
+  // Of another run, in the place of the second camera's.
+  const Experiment other =
+      short_film_run({"camera.also=[{source=\"synthetic\"}]", "reference.start=2.45", "duration=1.5", "seed=2"});
+  csv_of(other, folder / "other.mkv");
+  std::filesystem::rename(folder / "other-2.mkv", folder / "run-2.mkv");
+  std::istringstream with_other(csv);
+  const auto wrong = replay(with_other, "run.csv", folder / "run.mkv");
+  ASSERT_TRUE(wrong) << wrong.error();
+  EXPECT_GT(wrong->poses_different, 0);
+  EXPECT_THAT(wrong->first, testing::HasSubstr("_c2_"));
+
+  // Of a shorter run.
   const Experiment shorter =
       short_film_run({"camera.also=[{source=\"synthetic\"}]", "reference.start=2.45", "duration=0.4"});
   csv_of(shorter, folder / "short.mkv");

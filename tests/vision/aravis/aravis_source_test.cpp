@@ -328,11 +328,10 @@ TEST(Aravis, NobodyWaitsForACameraThatWasLost) {
   auto read = (*camera)->read(frame);
   while (read && *read) read = (*camera)->read(frame);
   ASSERT_TRUE(read) << read.error();
-  EXPECT_LT(test::seconds() - asked, 5.0) << "a lost camera is reopened for ten";
+  EXPECT_LT(test::seconds() - asked, 0.5);
   std::this_thread::sleep_for(std::chrono::milliseconds(500));
-  const double closed = test::seconds();
   camera->reset();
-  EXPECT_LT(test::seconds() - closed, 2.0) << "nobody waits for its goodbye either";
+  EXPECT_LT(test::seconds() - asked, 2.0) << "nobody waits for its goodbye either";
 }
 
 }  // namespace
