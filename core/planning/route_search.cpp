@@ -12,6 +12,7 @@ constexpr double attach = 1.7;     // start and goal are joined with vertices wi
 constexpr double weight = 1.05;    // of what is left, against what was driven: fewer nodes, at most 5 % longer ways
 constexpr double wait_step = 0.2;  // [s]
 constexpr int most_waits = 60;
+constexpr double departure_step = 1.0;     // of a robot that is shut in at its start [s]
 constexpr std::size_t most_nodes = 60000;  // of one search
 constexpr float unreached = std::numeric_limits<float>::infinity();
 
@@ -317,7 +318,7 @@ void RouteSearch::expand(std::uint32_t node) noexcept {
     const double inside = std::max(0.0, -lattice_->room(here.x, here.y));
     const Lattice::Place to = place(goal());
     // Where others bar every line, as in a corner, it waits until they have left.
-    for (; waits < most_waits * wait_step && open_.empty(); waits += 1.0) {
+    for (; waits < most_waits * wait_step && open_.empty(); waits += departure_step) {
       lattice_->near(here.x, here.y, attach * lattice_->cell() + inside, [&](std::size_t u) {
         if (left_[u] < unreached && lattice_->free(here, lattice_->place(u)))
           drive(u, headings - 1, line_to(lattice_->place(u)));
