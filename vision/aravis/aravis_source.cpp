@@ -488,11 +488,14 @@ class AravisSource final : public FrameSource {
   }
 
   /// The middle of the exposure, CLOCK_MONOTONIC [s].
-  double captured_at(ArvBuffer& buffer, double now, int passed_over) {
-    // The library stamps a frame's first packet by the wall clock, which may have been set meanwhile.
-    const double since = 1e-6 * static_cast<double>(g_get_real_time()) -
-                         1e-9 * static_cast<double>(arv_buffer_get_system_timestamp(&buffer));
-    const double first_packet = now - std::clamp(since, 0.0, 1.0);
+  double captured_at(ArvBuffer& buffer, double arrived_at, int passed_over) {
+    // The library stamps a frame's first packet by the wall clock, which may have been set meanwhile. Both clocks are
+    // read here, the wall clock first: an interruption between them makes the packet late, which DeviceClock expects,
+    // and never early.
+    const double wall = 1e-6 * static_cast<double>(g_get_real_time());
+    const double now = monotonic_now();
+    const double since = wall - 1e-9 * static_cast<double>(arv_buffer_get_system_timestamp(&buffer));
+    const double first_packet = std::min(arrived_at, now - std::clamp(since, 0.0, 1.0));
     const double stamped = clock_.host(1e-9 * static_cast<double>(arv_buffer_get_timestamp(&buffer)), first_packet);
     const double half = 0.5 * exposure_;
     if (clock_.read()) {

@@ -1,8 +1,11 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <deque>
+#include <limits>
 #include <optional>
 
 namespace skein::vision::detail {
@@ -11,7 +14,8 @@ namespace skein::vision::detail {
 /// frame's first packet. No packet arrives before it is sent, so the smallest difference (arrival minus stamp) of the
 /// last two seconds contains the least network delay. If the camera's clock could be read, this difference minus the
 /// offset of the clocks is the delay from stamp to packet, and is subtracted. Crystals that differ by 50 ppm cost 0.1
-/// ms. All times in s.
+/// ms. A frame that a busy machine takes late says nothing about the clock: four in a row must disagree with it before
+/// it is not used. All times in s.
 class DeviceClock {
  public:
   /// `offset`: the host's clock minus the camera's, as read; none: the camera's clock cannot be read.
@@ -27,7 +31,9 @@ class DeviceClock {
     last_stamp_ = stamp;
     update(arrived, difference);
     const double passed = arrived - first_.arrived;
-    usable_ = std::abs(stamp - first_.stamp - passed) <= same_rate * passed + allowed_jitter;
+    recent_[frames_++ % recent_.size()] = difference;
+    const double change = *std::min_element(recent_.begin(), recent_.end()) - (first_.arrived - first_.stamp);
+    usable_ = std::abs(change) <= same_rate * passed + allowed_jitter;
     if (!usable_) return arrived;
     if (!read_) return std::min(arrived, stamp + least());
     // The first second: the delay is still being learnt, and clocks have not drifted yet.
@@ -63,6 +69,7 @@ class DeviceClock {
   /// Starts again after the camera's clock was set back.
   void restart() {
     buckets_.clear();
+    recent_.fill(none);
     read_.reset();
     delay_.reset();
   }
@@ -75,6 +82,9 @@ class DeviceClock {
   }
   std::optional<double> read_, delay_;
   std::deque<Bucket> buckets_;
+  static constexpr double none = std::numeric_limits<double>::infinity();
+  std::array<double, 4> recent_{none, none, none, none};  // the last differences
+  std::size_t frames_ = 0;
   Pair first_{};
   double last_stamp_ = 0.0;
   bool usable_ = true;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -58,6 +59,24 @@ TEST(DeviceClock, AClockThatCannotBeReadTellsTheQuickestArrival) {
   }
   EXPECT_FALSE(clock.read());
   EXPECT_TRUE(clock.usable());
+}
+
+TEST(DeviceClock, FramesThatABusyMachineTakesLateKeepTheirStamps) {
+  constexpr double began = 1000.0;
+  for (const bool read : {true, false}) {
+    DeviceClock clock = read ? DeviceClock(began - device(began)) : DeviceClock();
+    for (int k = 0; k < 500; ++k) {
+      const double exposed = began + k * period;
+      // Every four seconds nobody takes frames for 0.2 s: those that have piled up all arrive at its end.
+      const double stalled_until = began + (k - k % 100) * period + 0.212;
+      const double arrived = std::max(exposed + 0.012, k > 100 ? stalled_until : 0.0);
+      const double told = clock.host(device(exposed), arrived);
+      if (k > 50) {
+        EXPECT_NEAR(told, exposed + (read ? 0.0 : 0.012), 0.0005) << k;
+        EXPECT_TRUE(clock.usable()) << k;
+      }
+    }
+  }
 }
 
 TEST(DeviceClock, StampsThatDoNotGoWithTimeAreNotUsed) {
