@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <system_error>
 #include <vector>
 
 #include "vision/media/jpeg.h"
@@ -55,8 +56,12 @@ class Images final : public FrameSource {
   /// Null, or what is wrong with the file.
   const char* load(const fs::path& file, Frame& frame) {
     std::ifstream in(file, std::ios::binary);
-    bytes_.assign(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
-    if (!in) return "cannot be read";
+    std::error_code not_known;
+    const std::uintmax_t size = fs::file_size(file, not_known);
+    if (!in || not_known) return "cannot be read";
+    bytes_.resize(size);  // at once: byte by byte it takes as long as the decoding
+    in.read(reinterpret_cast<char*>(bytes_.data()), static_cast<std::streamsize>(size));
+    bytes_.resize(static_cast<std::size_t>(in.gcount()));
     if (bytes_.empty()) return "is empty";
     if (jpeg_breaks_off(bytes_)) return "is cut short";
     try {
