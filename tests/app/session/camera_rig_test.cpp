@@ -218,8 +218,7 @@ TEST(CameraRig, AFilmThatIsEndedHasEveryFrameWhosePosesWereGiven) {
     rig->start();
     std::vector<core::Measurement> measurements(experiment.robots.size());
     FrameTimes times;
-    while (!rig->newest(measurements, times)) {
-    }
+    ASSERT_TRUE(test::eventually([&, &rig = rig] { return rig->newest(measurements, times); }));
     const auto complete = rig->end_film();  // at once, as a run may end with the tick that takes these poses
     ASSERT_TRUE(complete);
     EXPECT_EQ(complete().dropped, 0);
