@@ -14,8 +14,8 @@ namespace skein::vision::detail {
 /// frame's first packet. No packet arrives before it is sent, so the smallest difference (arrival minus stamp) of the
 /// last two seconds contains the least network delay. If the camera's clock could be read, this difference minus the
 /// offset of the clocks is the delay from stamp to packet, and is subtracted. Crystals that differ by 50 ppm cost 0.1
-/// ms. A frame that a busy machine takes late says nothing about the clock: four in a row must disagree with it before
-/// it is not used. All times in s.
+/// ms. One frame that arrives late, because the machine is busy, says nothing about the clock: arrival times replace
+/// its stamps only after four frames in a row have disagreed with it. All times in s.
 class DeviceClock {
  public:
   /// `offset`: the host's clock minus the camera's, as read; none: the camera's clock cannot be read.

@@ -176,46 +176,32 @@ struct Stranger {
   Detection seen;
 };
 
-/// A detector for all the other families at once: the search for squares, which takes most of the time, is made once.
-class OtherFamilies {
- public:
-  OtherFamilies() {
-    for (const OtherFamily& other : other_families) {
-      families_.emplace_back(other.create(), other.destroy);
-      apriltag_detector_add_family_bits(detector_.get(), families_.back().get(), 0);
-    }
-    detector_->quad_decimate = 1.0F;
-  }
-  apriltag_detector_t* detector() const { return detector_.get(); }
-  std::string_view name(const apriltag_family_t* family) const {
-    const auto same = [&](const Family& one) { return one.get() == family; };
-    const auto found = std::find_if(families_.begin(), families_.end(), same);
-    return other_families[static_cast<std::size_t>(found - families_.begin())].name;
-  }
-
- private:
-  using Family = std::unique_ptr<apriltag_family_t, void (*)(apriltag_family_t*)>;
-  // The detector goes first: it still looks at its families when it is destroyed.
-  std::vector<Family> families_;
-  std::unique_ptr<apriltag_detector_t, void (*)(apriltag_detector_t*)> detector_{apriltag_detector_create(),
-                                                                                 apriltag_detector_destroy};
-};
-
 /// Tags of the other families, with no bit corrected and a clear contrast, since the small families find ghosts in any
 /// texture.
 std::vector<Stranger> tags_of_other_families(const Frame& frame) {
   constexpr double clear_margin = 30.0;
-  thread_local const OtherFamilies others;  // its tables of more than 100,000 codes take longer to make than to use
+  using Family = std::unique_ptr<apriltag_family_t, void (*)(apriltag_family_t*)>;
+  std::vector<Family> families;
+  const std::unique_ptr<apriltag_detector_t, void (*)(apriltag_detector_t*)> detector(apriltag_detector_create(),
+                                                                                      apriltag_detector_destroy);
+  // One detector for all of them: the search for squares, which takes most of the time, is made once.
+  for (const OtherFamily& other : other_families) {
+    families.emplace_back(other.create(), other.destroy);
+    apriltag_detector_add_family_bits(detector.get(), families.back().get(), 0);
+  }
+  detector->quad_decimate = 1.0F;
   // AprilTag only reads the pixels.
   image_u8_t image{frame.width, frame.height, frame.width, const_cast<std::uint8_t*>(frame.grey.data())};
-  zarray_t* found = apriltag_detector_detect(others.detector(), &image);
+  zarray_t* found = apriltag_detector_detect(detector.get(), &image);
   std::vector<Stranger> clear;
   for (int i = 0; i < zarray_size(found); ++i) {
     apriltag_detection_t* seen = nullptr;
     zarray_get(found, i, &seen);
     if (static_cast<double>(seen->decision_margin) < clear_margin) continue;
+    const auto family =
+        std::find_if(families.begin(), families.end(), [&](const Family& one) { return one.get() == seen->family; });
     Stranger& stranger = clear.emplace_back();
-    stranger.family = others.name(seen->family);
+    stranger.family = other_families[static_cast<std::size_t>(family - families.begin())].name;
     stranger.seen.tag = seen->id;
     stranger.seen.decision_margin = static_cast<double>(seen->decision_margin);
     for (std::size_t corner = 0; corner < 4; ++corner)

@@ -59,7 +59,7 @@ class Images final : public FrameSource {
     std::error_code not_known;
     const std::uintmax_t size = fs::file_size(file, not_known);
     if (!in || not_known) return "cannot be read";
-    bytes_.resize(size);  // at once: byte by byte it takes as long as the decoding
+    bytes_.resize(size);  // at once, which is faster than byte by byte
     in.read(reinterpret_cast<char*>(bytes_.data()), static_cast<std::streamsize>(size));
     bytes_.resize(static_cast<std::size_t>(in.gcount()));
     if (bytes_.empty()) return "is empty";

@@ -67,7 +67,7 @@ TEST(DeviceClock, FramesThatABusyMachineTakesLateKeepTheirStamps) {
     DeviceClock clock = read ? DeviceClock(began - device(began)) : DeviceClock();
     for (int k = 0; k < 500; ++k) {
       const double exposed = began + k * period;
-      // Every four seconds nobody takes frames for 0.2 s: those that have piled up all arrive at its end.
+      // Every four seconds the host stalls for 0.2 s, and all the frames of that time arrive at its end.
       const double stalled_until = began + (k - k % 100) * period + 0.212;
       const double arrived = std::max(exposed + 0.012, k > 100 ? stalled_until : 0.0);
       const double told = clock.host(device(exposed), arrived);
