@@ -564,8 +564,8 @@ MarksStatus CameraRig::marks() const {
 }
 
 void CameraRig::explainer(const std::stop_token& stop) {
-  constexpr int lowest_priority = 19;
-  ::setpriority(PRIO_PROCESS, 0, lowest_priority);  // of this thread: nobody waits for it
+  constexpr int niceness = 5;  // of this thread: behind camera and tick, but end() waits for it on a busy machine too
+  ::setpriority(PRIO_PROCESS, 0, niceness);
   std::unique_lock lock(absence_mutex_);
   // The question stays where it is while it is worked on: so there is one at a time.
   const auto work_on = [&](auto& question, const char* what, auto&& answer) {

@@ -51,8 +51,8 @@ class Explainer {
       return;
     }
     answer_ = std::async(std::launch::async, [frame, missing, calibration = *options_.track.calibration] {
-      constexpr int lowest_priority = 19;
-      ::setpriority(PRIO_PROCESS, 0, lowest_priority);  // of this thread: nobody waits for it
+      constexpr int niceness = 5;  // of this thread: behind the tracker, but the end of the command waits for it
+      ::setpriority(PRIO_PROCESS, 0, niceness);
       return answer(frame, calibration, missing);
     });
   }
