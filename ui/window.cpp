@@ -3,7 +3,10 @@
 #include <QApplication>
 #include <QSettings>
 #include <QStyleFactory>
+#include <QThread>
 #include <cstdlib>
+#include <optional>
+#include <utility>
 
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
@@ -37,6 +40,37 @@ void message_at_start(QtMsgType type, const QMessageLogContext& context, const Q
   std::_Exit(app::wrong_input);
 }
 
+/// Where the connection is Wayland's, Qt ends the program at once, without `std::atexit`: whichever of its threads
+/// notices first, after a message.
+void message_while_open(QtMsgType type, const QMessageLogContext& context, const QString& text) {
+  usual_messages(type, context, text);
+  if (!open_window || !text.startsWith(QLatin1String("The Wayland connection "))) return;
+  if (QThread::currentThread() == open_window->thread()) return stop_robots_at_exit();
+  constexpr unsigned long patience = 10;  // [s]: afterwards the guard stops the robots
+  QMetaObject::invokeMethod(open_window, stop_robots_at_exit, Qt::QueuedConnection);
+  QThread::sleep(patience);
+}
+
+/// A Wayland client cannot place its windows, so that a dialog may open over the STOP button: where a Wayland session
+/// offers XWayland, the window uses that, unless the user chose otherwise.
+class PreferX {
+ public:
+  PreferX() {
+    if (qEnvironmentVariableIsEmpty("DISPLAY") || qEnvironmentVariableIsEmpty("WAYLAND_DISPLAY") ||
+        qEnvironmentVariableIsSet("QT_QPA_PLATFORM"))
+      return;
+    set_ = qputenv("QT_QPA_PLATFORM", "xcb;wayland");  // the second if the first does not start
+  }
+  ~PreferX() {
+    if (set_) qunsetenv("QT_QPA_PLATFORM");  // programs that are started from here choose for themselves
+  }
+  PreferX(const PreferX&) = delete;
+  PreferX& operator=(const PreferX&) = delete;
+
+ private:
+  bool set_ = false;
+};
+
 }  // namespace
 
 void prepare(QApplication& application) {
@@ -56,8 +90,10 @@ void prepare(QApplication& application) {
 
 int show_window(const app::WindowRequest& request, int& argc, char** argv) {
   usual_messages = qInstallMessageHandler(message_at_start);
+  std::optional<PreferX> prefer_x(std::in_place);
   QApplication application(argc, argv);
-  qInstallMessageHandler(nullptr);
+  prefer_x.reset();
+  qInstallMessageHandler(message_while_open);
   prepare(application);
   MainWindow window;
   open_window = &window;

@@ -621,6 +621,13 @@ Finding display(const Machine& machine) {
       return {State::ill, subject, fmt::format("DISPLAY is {}, but there is no display server", machine.display),
               "log in at the machine, or unset DISPLAY"};
   }
+  // Names of X's displays have a colon. Wayland alone does not let a program place its dialogs.
+  if (machine.display.find(':') == std::string::npos)
+    return {State::note,
+            subject,
+            fmt::format("Wayland ({}) without XWayland: a dialog can open over the STOP button", machine.display),
+            "as root: apt-get install xwayland, and log in again",
+            {{"apt-get", "install", "-y", "xwayland"}}};
   return well(subject, machine.display);
 }
 

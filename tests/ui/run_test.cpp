@@ -218,9 +218,9 @@ TEST_F(Run, StopsRobotsWithLinksUnderAWindowThatHangs) {
 }
 
 TEST_F(Run, StopsRobotsWithLinksWhenTheDisplayStalls) {
-  // Of an X server of our own (tests/ui/on_x_server), which may be stalled.
-  const auto server = static_cast<pid_t>(qEnvironmentVariableIntValue("SKEIN_X_SERVER"));
-  if (server <= 0) GTEST_SKIP() << "not on an X server of its own";
+  // Of a server of our own (tests/ui/on_x_server, on_wayland), which may be stalled.
+  const auto server = static_cast<pid_t>(qEnvironmentVariableIntValue("SKEIN_DISPLAY_SERVER"));
+  if (server <= 0) GTEST_SKIP() << "not on a display server of its own";
   const auto experiment = app::load_experiment(skein::test::in_source("resources/experiments/platoon-loopback.toml"));
   ASSERT_TRUE(experiment.has_value());
   start(*experiment);

@@ -3,18 +3,14 @@
 
 #include <QProcess>
 #include <QStandardPaths>
-#include <QTemporaryDir>
-#include <QTest>
 #include <csignal>
 
-#include "tests/places.h"
+#include "tests/ui/shown_program.h"
 
 namespace skein::ui::test {
 namespace {
 
-constexpr int patience_ms = 30000;
-
-class XServer : public ::testing::Test {
+class XServer : public ShownProgram {
  protected:
   void SetUp() override {
     const QString program = QStandardPaths::findExecutable(QStringLiteral("Xvfb"));
@@ -27,34 +23,13 @@ class XServer : public ::testing::Test {
       GTEST_SKIP() << "Xvfb does not start: " << server.readAllStandardError().toStdString();
     display = QStringLiteral(":") + QString::fromLatin1(server.readLine().trimmed());
   }
-  void TearDown() override {
-    for (QProcess* process : {&skein, &server})
-      if (process->state() != QProcess::NotRunning) {
-        process->kill();
-        process->waitForFinished(patience_ms);
-      }
-  }
   void launch(const QStringList& words) {
-    QProcessEnvironment environment = QProcessEnvironment::systemEnvironment();
-    environment.insert(QStringLiteral("DISPLAY"), display);
-    environment.insert(QStringLiteral("QT_QPA_PLATFORM"), QStringLiteral("xcb"));
-    environment.insert(QStringLiteral("XDG_CONFIG_HOME"), directory.path());
-    environment.insert(QStringLiteral("XDG_DATA_HOME"), directory.path());
-    environment.remove(QStringLiteral("WAYLAND_DISPLAY"));
-    // Under the AddressSanitizer: what libdbus and Qt's X11 plugin keep to the end is not what is tested here.
-    environment.insert(QStringLiteral("ASAN_OPTIONS"), QStringLiteral("detect_leaks=0"));
-    skein.setProcessEnvironment(environment);
-    skein.start(QString::fromStdString(skein::test::program()), words);
-    ASSERT_TRUE(skein.waitForStarted(patience_ms));
+    ShownProgram::launch(words, {{"DISPLAY", display}, {"QT_QPA_PLATFORM", QStringLiteral("xcb")}});
   }
   void start(const QStringList& words) {
-    launch(words);
-    skein.waitForFinished(1500);  // long enough to be on the screen and running
-    ASSERT_EQ(skein.state(), QProcess::Running) << skein.readAllStandardError().toStdString();
+    ShownProgram::start(words, {{"DISPLAY", display}, {"QT_QPA_PLATFORM", QStringLiteral("xcb")}});
   }
 
-  QTemporaryDir directory;
-  QProcess server, skein;
   QString display;
 };
 
@@ -79,14 +54,9 @@ TEST_F(XServer, ThatIsNotThereIsSaidInOneSentence) {
 }
 
 TEST_F(XServer, StopsTheRobotsWhenTheServerDies) {
-  start({QString::fromStdString(skein::test::in_source("resources/experiments/platoon-loopback.toml"))});
+  start({experiment_with_links()});
   server.kill();
-  ASSERT_TRUE(skein.waitForFinished(patience_ms)) << "it goes on without anybody who could stop it";
-  const QString said = QString::fromUtf8(skein.readAllStandardError());
-  EXPECT_EQ(skein.exitStatus(), QProcess::NormalExit) << said.toStdString();
-  EXPECT_EQ(skein.exitCode(), 3) << said.toStdString();
-  EXPECT_TRUE(said.contains(QStringLiteral("the display is gone"))) << said.toStdString();
-  EXPECT_TRUE(said.contains(QStringLiteral("all robots have stopped"))) << said.toStdString();
+  expect_stopped_robots();
 }
 
 TEST_F(XServer, LivesThroughAServerThatStallsForAWhile) {

@@ -705,7 +705,10 @@ void MainWindow::on_frame(double now) {
   recording_->refresh();
   // A question to the display, which waits for the answer: one that has stalled holds this thread up as well, and who
   // cannot see the robots cannot stop them. The session takes care of that (3 s).
-  if (questions_.due(now)) static_cast<void>(QCursor::pos());
+  if (questions_.due(now)) {
+    static_cast<void>(QCursor::pos());
+    compositor_.ask();
+  }
   if (texts_.due(now) || phase != shown_phase_) show_state();
 }
 

@@ -9,6 +9,7 @@
 #include "app/experiment/problem.h"
 #include "app/session/readiness.h"
 #include "ui/base/aside.h"
+#include "ui/base/compositor.h"
 #include "ui/base/palette.h"
 #include "ui/base/throttle.h"
 #include "ui/main/messages.h"
@@ -189,6 +190,7 @@ class MainWindow final : public QMainWindow {
   std::string reopened_from_;  // the text of the experiment that is changed
   Throttle texts_{0.19};       // numbers that change five times a second can be read
   Throttle questions_{0.5};    // to the display
+  Compositor compositor_;
 };
 
 }  // namespace skein::ui

@@ -222,6 +222,8 @@ const Fault faults[] = {
     {"NoGnuplot", State::note, "gnuplot: is missing",
      [](Patient& p) { p.machine.has_program = [](const std::string& name) { return name != "gnuplot"; }; }},
     {"NoDisplay", State::note, "display: none", [](Patient& p) { p.machine.display = ""; }},
+    {"WaylandAlone", State::note, "display: Wayland (wayland-0) without XWayland",
+     [](Patient& p) { p.machine.display = "wayland-0"; }},
     {"DeadDisplay", State::ill, "DISPLAY is :7.0, but there is no display server",
      [](Patient& p) { p.machine.display = ":7.0"; }},
 };
