@@ -340,17 +340,20 @@ void Planner::plan(const Scene& scene, const Gains& gains, std::span<const Refer
   if (group_.active) return go_on_with_group(scene, nominal);
   bool group = false, everybody = false, somebody_drives = false;
   for (std::size_t i = 0; i < robots_.size(); ++i)
-    somebody_drives = somebody_drives || (robots_[i].state == State::driving && !stands(i, scene));
+    somebody_drives =
+        somebody_drives || (robots_[i].state == State::driving && !robots_[i].needs_plan && !stands(i, scene));
   const std::array<std::size_t, Merging::most> before = merging_.robots;
   merging_.count = 0;
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     Robot& robot = robots_[i];
-    if (!robot.needs_plan || stands(i, scene) || scene.t < robot.retry) continue;
+    if (!robot.needs_plan || stands(i, scene)) continue;
+    const bool due = scene.t >= robot.retry;
     if (!rests(i, scene)) {
-      if (merging_.count < Merging::most) merging_.robots[merging_.count++] = i;
+      if (due && merging_.count < Merging::most) merging_.robots[merging_.count++] = i;
     } else {
-      group = true;
-      // While others drive there may soon be a way that there was not: they are not stopped for it.
+      group = group || due;
+      // While others drive there may soon be a way that there was not: they are not stopped for it. One that waits for
+      // its next attempt counts as well: a group takes it along, and its attempt is over then.
       everybody = everybody || robot.all_anew || (robot.no_way && !somebody_drives);
     }
   }

@@ -83,6 +83,7 @@ class RouteSearch {
   void enclose_others() noexcept;
   void find_near(const Lattice::Place& from, const Lattice::Place& to, double begins, double ends) noexcept;
   bool clear(double x, double y, double t) const noexcept;
+  bool parts(const Lattice::Place& from, const Lattice::Place& to, double leaves, double arrives) noexcept;
   bool clear_line(const Lattice::Place& from, const Lattice::Place& to, double leaves, double arrives) noexcept;
   bool stays_clear(const Lattice::Place& at, double t) noexcept;
 
@@ -106,6 +107,7 @@ class RouteSearch {
   std::vector<std::uint32_t> others_;         // who is to be kept from
   std::vector<Box> boxes_;                    // of each of these, block after block; the last one is for ever
   std::size_t blocks_ = 0, still_from_ = 0;   // from this step on all of them stand
+  std::vector<std::uint32_t> close_;          // those of them that are nearer at the start than the shield asks for
   std::vector<std::uint32_t> near_;           // those of them that a part of a line may come near to
   std::vector<std::uint64_t> taken_;          // a bit for each step of each vertex
   std::vector<Interval> intervals_;           // of each vertex

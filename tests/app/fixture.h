@@ -34,16 +34,19 @@ inline std::vector<app::TickRecord> simulate(const app::Experiment& e, const app
       robots[p.robot].place({pose.x + p.dx, pose.y + p.dy, core::wrap_angle(pose.theta + p.dtheta)});
       input.events.add(app::events::Perturb{p.robot, p.dx, p.dy, p.dtheta});
     }
+    commands.clear();
+    if (k == 0) commands.push_back(start);
+    for (; next_action < e.actions.size() && e.actions[next_action].t <= input.now + 1e-9; ++next_action) {
+      const app::Event& event = e.actions[next_action].event;
+      if (const auto command = app::command_of(event)) commands.push_back(*command);
+      if (const auto* const move = std::get_if<app::events::Move>(&event)) robots[move->robot].place(move->pose);
+    }
     for (std::size_t i = 0; i < robots.size(); ++i) {
       measured[i] = robots[i].measure(input.now);
       truth[i] = robots[i].pose();
     }
     input.measurements = measured;
     input.truth = truth;
-    commands.clear();
-    if (k == 0) commands.push_back(start);
-    for (; next_action < e.actions.size() && e.actions[next_action].t <= input.now + 1e-9; ++next_action)
-      if (const auto command = app::command_of(e.actions[next_action].event)) commands.push_back(*command);
     input.commands = commands;
     rows.push_back(tick.step(input));
     for (std::size_t i = 0; i < robots.size(); ++i) {

@@ -1,6 +1,7 @@
 // Planned routes: what a route is, that narrow gaps are found, and that everybody arrives, under law, limits and
 // shield.
 #include "core/planning/planner.h"
+#include "core/simulation/random.h"
 
 #include <gtest/gtest.h>
 
@@ -394,6 +395,32 @@ TEST(RouteSearch, SaysWhereThereIsNoWay) {
   search.begin(query, nobody);
   while (search.searching()) search.advance(100);
   EXPECT_FALSE(search.found());
+}
+
+/// The shield lets two robots that are too near each other only part. A route that comes nearer to the other, be it by
+/// less than a millimetre, would stop there for good.
+TEST(RouteSearch, LeavesARobotThatIsTooNearByParting) {
+  Lattice lattice(arena, 0.0435, 0);
+  lattice.build({});
+  core::Random random(24, 0);
+  const auto within = [&](double most) { return most * (2.0 * random.uniform() - 1.0); };
+  for (int k = 0; k < 200; ++k) {
+    const double bearing = within(core::pi), apart = 0.0762 + within(0.0022);
+    core::RouteSearch::Query query;
+    query.from = {within(0.5), within(0.4), within(core::pi)};
+    query.to = {within(0.9), within(0.65), 0.0};
+    const double x = query.from.x + apart * std::cos(bearing), y = query.from.y + apart * std::sin(bearing);
+    if (std::hypot(query.to.x - x, query.to.y - y) < 0.2) continue;
+    core::Traffic traffic(2);
+    traffic.stands(1, x, y);
+    core::RouteSearch search(lattice, 2);
+    search.begin(query, traffic);
+    while (search.searching()) search.advance(100);
+    ASSERT_TRUE(search.found()) << k;
+    ASSERT_FALSE(search.legs().empty());
+    const core::Leg& first = search.legs().front();
+    EXPECT_LT((first.x - query.from.x) * (x - query.from.x) + (first.y - query.from.y) * (y - query.from.y), 0.0) << k;
+  }
 }
 
 class ManyRobots : public testing::TestWithParam<std::size_t> {};

@@ -1,10 +1,12 @@
 // Planned routes in the tick: crowds arrive, kicked robots come back, and a run repeats to the bit.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "tests/app/experiment_texts.h"
@@ -332,6 +334,40 @@ TEST(PlannedRoutes, AFormationThatWaitsRepeatsToTheBit) {
   for (std::size_t k = 0; k < first.size(); ++k)
     for (std::size_t i = 0; i < first[k].robots.size(); ++i)
       ASSERT_EQ(first[k].robots[i].command, again[k].robots[i].command) << "tick " << k;
+}
+
+/// A hand puts three robots into a corner, touching one another. Two of them, with no way at first, waited for an
+/// attempt of their own and were never planned together with the third.
+TEST(PlannedRoutes, LeadOutOfAPileInACorner) {
+  struct Drive {
+    const char *start, *end;
+  };
+  constexpr std::array<Drive, 8> drives{{{"-0.1556, -0.4066, 1.786", "0.0781, 0.4401"},
+                                         {"-0.4876, -0.6313, 1.224", "0.7464, -0.1386"},
+                                         {"-0.6758, -0.3959, -2.370", "0.0900, 0.1943"},
+                                         {"0.1941, -0.2426, -1.795", "-0.8379, -0.6172"},
+                                         {"0.4932, 0.6152, 1.763", "0.3942, -0.3457"},
+                                         {"0.7451, -0.0942, -1.658", "-0.8809, 0.1108"},
+                                         {"0.5178, -0.2732, -2.562", "-0.5160, 0.4161"},
+                                         {"0.8620, 0.5709, -1.822", "0.8704, 0.3000"}}};
+  std::string text =
+      "seed = 572711\nduration = 80\n[arena]\nwidth = 2.0\nheight = 1.5\n[reference]\nkind = 'independent'\nspeed = "
+      "0.09\n"
+      "may_meet = true\n[controller]\nk_y = 4.0\n[controller.gains]\nk_xx = 0.0\nk_tt = 0.0\nk_yy = 0.0\n[avoidance]\n"
+      "kind = 'plan'\n[staging]\nautomatic = false\n[[obstacle]]\nx = -0.3287\ny = -0.0165\nradius = "
+      "0.0735\n[[obstacle]]\n"
+      "x = 0.3526\ny = -0.1737\nradius = 0.0761\n";
+  for (const Drive& drive : drives) {
+    const std::string start = drive.start;
+    text +=
+        fmt::format("[[robot]]\nstart = [{}]\ntrajectory = {{ path = {{ shape = 'line', from = [{}], to = [{}] }} }}\n",
+                    start, start.substr(0, start.rfind(',')), drive.end);
+  }
+  for (const char* moved :
+       {"r6 x=-0.96 y=-0.71 theta=1.23", "r2 x=-0.88295 y=-0.70168 theta=2.12", "r1 x=-0.9337 y=-0.64298 theta=-0.34"})
+    text += fmt::format("[[operator]]\nt = 11.55\ndoes = 'move {}'\n", moved);
+  const std::vector<TickRecord> rows = test::simulate(good(text));
+  EXPECT_LT(farthest(rows.back()), 0.01);
 }
 
 TEST(PlannedRoutes, SayWhereThereIsNoWay) {
