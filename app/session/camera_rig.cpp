@@ -505,11 +505,13 @@ void CameraRig::watch_marks() {
 void CameraRig::look_at_marks(const vision::Frame& frame) {
   constexpr double between = 2.0, in_doubt = 0.5;  // [s]
   next_look_.store(frame.captured_at + between, std::memory_order_release);
+  const bool was_blind = mark_watch_.blind() != nullptr;
   const bool news = mark_watch_.update(frame);
   if (mark_watch_.doubts()) next_look_.store(frame.captured_at + in_doubt, std::memory_order_release);
   const std::optional<vision::MarkSight>& sight = mark_watch_.known();
   if (!sight) return;
-  const std::string sentence = vision::sentence(*sight);
+  const vision::MarkSight* blind = mark_watch_.blind();
+  const std::string sentence = vision::sentence(blind ? *blind : *sight);
   const bool moved = sight->state == vision::MarkSight::State::camera_moved;
   const events::CameraMoved event{.camera = experiment_.cameras() == 1 ? events::only_camera : number_,
                                   .by = sight->by,
@@ -524,6 +526,9 @@ void CameraRig::look_at_marks(const vision::Frame& frame) {
     marks_.sentence = prefix_ + sentence;
     // The part that stops the robots reports that they are stopped.
     if (news && !well && (!moved || goes_on)) alarms_.push_back(prefix_ + sentence);
+    if (blind && !was_blind)
+      alarms_.push_back(fmt::format("{}{}; it has been so for {:g} s: clear the marks, or calibrate the floor anew",
+                                    prefix_, sentence, vision::MarkWatch::patience));
     if (news && moved) found_out_.push(event);
   }
 }

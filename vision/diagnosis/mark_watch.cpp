@@ -107,6 +107,8 @@ bool MarkWatch::update(const Frame& frame) {
   const MarkSight sight = judge(detector_->detect(frame));
   const bool certain = last_ ? agree(*last_, sight) : sight.state == MarkSight::State::in_place;
   last_ = sight;
+  const bool unseen = known_ && tells(known_->state) && !tells(sight.state);
+  blind_ = unseen_.update(frame.captured_at, unseen) || (blind_ && unseen);
   const bool counts = tells(sight.state) || !known_ || !tells(known_->state);
   const bool news = !known_ || !agree(*known_, sight);
   doubts_ = counts && news && !certain;

@@ -7,6 +7,7 @@
 
 #include "vision/calibration/calibration.h"
 #include "vision/detector/detector.h"
+#include "vision/diagnosis/lasting_fault.h"
 #include "vision/frames/frame.h"
 
 namespace skein::vision {
@@ -43,6 +44,10 @@ class MarkWatch {
   static constexpr double tolerance = 5e-3;     ///< a mark farther than this from its place has moved [m]
   static constexpr std::size_t least_seen = 3;  ///< marks; with fewer the result is too_few
 
+  /// Marks that were seen and are hidden for longer than this are reported: a robot or somebody's arm is gone by then,
+  /// a table or a jacket is not. [s]
+  static constexpr double patience = 10.0;
+
   /// `not_these`: tags that drive about on robots.
   MarkWatch(const Calibration& calibration, std::span<const int> not_these);
 
@@ -55,6 +60,8 @@ class MarkWatch {
   const std::optional<MarkSight>& known() const noexcept { return known_; }
   /// The newest sight differs from the known state and is not confirmed yet: look again soon.
   bool doubts() const noexcept { return doubts_; }
+  /// The newest sight, if for `patience` none has told whether the camera has moved since one did; null otherwise.
+  const MarkSight* blind() const noexcept { return blind_ ? &*last_ : nullptr; }
 
  private:
   struct Mark {
@@ -70,6 +77,8 @@ class MarkWatch {
   std::optional<TagDetector> detector_;  // from the first look on
   std::optional<MarkSight> last_, known_;
   bool doubts_ = true;
+  LastingFault unseen_{patience};
+  bool blind_ = false;
 };
 
 }  // namespace skein::vision

@@ -157,6 +157,21 @@ TEST_F(FloorMarks, OneThatSomebodyMovedIsNamedAndTheRunGoesOn) {
   EXPECT_THAT(run.alarms, ElementsAre(HasSubstr("mark 20 was moved by 50 mm, or put back wrongly; the other")));
 }
 
+/// Of three marks one leaves the picture: by the others nobody knows any more whether the camera moves.
+TEST_F(FloorMarks, ThatAreNoLongerSeenAreTold) {
+  vision::Calibration camera = marked_camera(true);
+  camera.marks.resize(3);
+  camera.marks[0].x = 1.085;
+  const std::string file = folder / "three.toml";
+  ASSERT_TRUE(save_calibration(camera, file));
+  const Run run(platoon({"camera.calibration=" + file, "camera.mark_moved_at=3", "duration=16"}));
+  EXPECT_EQ(run.end, Phase::finished);
+  EXPECT_EQ(run.failure, "");
+  EXPECT_THAT(run.alarms, ElementsAre(HasSubstr("2 of 3 marks on the floor are seen, 3 are needed to tell whether the "
+                                                "camera has moved; it has been so for 10 s: clear the marks")));
+  EXPECT_THAT(run.said, testing::Contains(HasSubstr("2 of 3 marks"))) << "the check list has it as well";
+}
+
 TEST_F(FloorMarks, ThatRobotsHideAreNoCauseForAlarm) {
   for (const char* seed : {"seed=1", "seed=2"}) {
     const Run run(platoon({seed, "duration=20",

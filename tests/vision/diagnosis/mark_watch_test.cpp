@@ -112,6 +112,69 @@ TEST(MarkWatch, ByFewerThanThreeNobodyKnows) {
             "2 of 5 marks on the floor are seen, 3 are needed to tell whether the camera has moved");
 }
 
+TEST(MarkWatch, TellsThatMarksAreHiddenOnlyIfThatLasts) {
+  MarkedFloor floor;
+  MarkWatch watch(floor.calibration, {});
+  double t = 0.0;
+  const auto look = [&] {
+    floor.seen();
+    floor.frame.captured_at = t;
+    t += 2.0;
+    EXPECT_FALSE(watch.update(floor.frame) && t > 2.0) << "the camera has not moved";
+    return watch.blind();
+  };
+  EXPECT_EQ(look(), nullptr);
+  for (const double hidden_for : {MarkWatch::patience - 2.0, MarkWatch::patience + 4.0}) {  // from first to last look
+    for (const std::size_t mark : {0U, 1U, 2U}) floor.hide(mark);
+    for (const double began = t; t <= began + hidden_for;) {
+      const bool lasts = t - began >= MarkWatch::patience;
+      const MarkSight* blind = look();
+      ASSERT_EQ(blind != nullptr, lasts) << t - began;
+      if (blind) {
+        EXPECT_EQ(blind->seen, 2U);
+        EXPECT_EQ(watch.known()->state, MarkState::in_place) << "what was known still holds";
+      }
+    }
+    floor.discs.clear();
+    EXPECT_EQ(look(), nullptr);
+  }
+}
+
+/// The control: one robot after the other that stands still, for ever, on a mark of its own.
+TEST(MarkWatch, IsNotBlindWhileThreeMarksAreSeen) {
+  MarkedFloor floor;
+  MarkWatch watch(floor.calibration, {});
+  double t = 0.0;
+  for (const std::size_t hidden : {0U, 1U, 2U}) {
+    for (const double until = t + MarkWatch::patience + 4.0; t < until; t += 2.0) {
+      floor.seen();
+      floor.frame.captured_at = t;
+      watch.update(floor.frame);
+      ASSERT_EQ(watch.blind(), nullptr) << hidden << " are hidden";
+    }
+    if (hidden < 2) floor.hide(hidden);
+  }
+  ASSERT_TRUE(watch.known());
+  EXPECT_EQ(watch.known()->seen, 3U);
+}
+
+/// Two of four lie elsewhere: whether the camera or the marks have moved is as little known as with too few.
+TEST(MarkWatch, IsBlindWhereMarksContradictEachOther) {
+  MarkedFloor floor;
+  floor.tags.pop_back();
+  MarkWatch watch(floor.calibration, {});
+  double t = 0.0;
+  for (; t < 4.0 + MarkWatch::patience; t += 2.0) {
+    if (t == 2.0)
+      for (const std::size_t mark : {0U, 1U}) floor.tags[mark].pose.x += 0.03;
+    floor.seen();
+    floor.frame.captured_at = t;
+    watch.update(floor.frame);
+    ASSERT_EQ(watch.blind() != nullptr, t >= 2.0 + MarkWatch::patience) << t;
+  }
+  EXPECT_EQ(watch.blind()->state, MarkState::unclear) << sentence(*watch.blind());
+}
+
 TEST(MarkWatch, AMarkThatIsHalfHiddenIsNotSeen) {
   // A body beside a mark, nearer step by step: at no place does it move the mark.
   MarkedFloor floor;
