@@ -244,8 +244,9 @@ tl::expected<CameraReport, std::string> examine_camera(const CameraCase& wanted)
   if (repeated > 0 && live)
     report.findings.push_back(
         {State::ill, "repeated frames",
-         fmt::format("{} of {} show exactly what the frame before showed; no pose is taken from them", repeated,
-                     frames),
+         fmt::format(
+             "{} of {} show, at least in a part, exactly what an earlier one showed; no pose is taken from them",
+             repeated, frames),
          "a shorter exposure, more light or a lower --rate; a capture program: look whether its input runs"});
   if (status.damaged > 0)
     report.findings.push_back({State::ill, "damaged frames", fmt::format("{}", status.damaged),

@@ -254,6 +254,7 @@ struct CameraSpec {
   std::optional<double> lost_at;  ///< likewise: from then on the synthetic camera delivers nothing [s]
   /// Likewise: from then on, for `freeze_for` (empty: for ever), it delivers the picture that it had then [s; s]
   std::optional<double> freeze_at, freeze_for;
+  double freeze_part = 1.0;      ///< of its height, from below
   double stamps_late = 0.0;      ///< likewise: the synthetic camera's time stamps are late by this much [s]
   std::vector<CameraSpec> also;  ///< more cameras over the same floor; empty in each of these
 

@@ -188,6 +188,9 @@ const std::vector<ExperimentKey>& all_keys() {
       {"camera", "freeze_for", "for practice: for how long it does so",
        OptionalNumberKey{[](E& e) -> auto& { return e.camera.freeze_for; },
                          [](Limits) { return between(0.0, longest_run, "s"); }}},
+      {"camera", "freeze_part",
+       "for practice: how much of the picture it repeats then, as a part of its height from below",
+       NumberKey{[](E& e) -> auto& { return e.camera.freeze_part; }, [](Limits) { return between(0.01, 1.0); }}},
       {"camera", "stamps_late", "for practice: how late the synthetic camera's time stamps are, which latency corrects",
        NumberKey{[](E& e) -> auto& { return e.camera.stamps_late; }, [](Limits) { return between(0.0, 0.5, "s"); }}},
 

@@ -26,7 +26,12 @@ namespace skein::app {
 namespace {
 
 constexpr double mark_moved_by = 0.05;  // for practice [m]
-constexpr const char* frozen_reason = "it delivers the same picture again and again";
+
+/// `part`: of the picture's height.
+std::string frozen_reason(double part) {
+  if (part == 1.0) return "it delivers the same picture again and again";
+  return fmt::format("{:.0f} % of its picture show what older ones showed", 100.0 * part);
+}
 
 bool ever_seen(const core::Measurement& tag) {
   return tag.captured_at > core::Measurement{}.captured_at;
@@ -247,7 +252,8 @@ vision::SourceStatus CameraRig::camera() const {
   const std::int64_t freezes = freezes_.load(std::memory_order_acquire);
   status.outages += freezes;
   if (frozen_.load(std::memory_order_acquire)) status.up = false;
-  if (freezes > 0 && (status.reason.empty() || !status.up)) status.reason = frozen_reason;
+  if (freezes > 0 && (status.reason.empty() || !status.up))
+    status.reason = frozen_reason(frozen_part_.load(std::memory_order_relaxed));
   const std::lock_guard lock(absence_mutex_);
   if (unusable_.empty()) return status;
   status.up = false;
@@ -358,13 +364,24 @@ bool CameraRig::render() {
     blur_ = blur;
   }
   synthetic_->render(tags_, stamp, frame_);
-  const bool freeze =
-      spec_.freeze_at && now >= *spec_.freeze_at && !(spec_.freeze_for && now >= *spec_.freeze_at + *spec_.freeze_for);
-  if (freeze && !still_.empty()) frame_.grey = still_;
-  if (freeze && still_.empty()) still_ = frame_.grey;
+  freeze(now);
   seen_.times = {stamp, clock_.now(), none, none};
   seen_.times.grey_at = seen_.times.arrived_at;
   return true;
+}
+
+/// For practice. The whole picture stands still; a part of it is what a driver with four buffers has in each of them
+/// from before, if its transfers break off.
+void CameraRig::freeze(double now) {
+  if (!spec_.freeze_at) return;
+  std::vector<std::uint8_t>& still = stills_[spec_.freeze_part < 1.0 ? rendered_++ % stills_.size() : 0];
+  const bool frozen = now >= *spec_.freeze_at && !(spec_.freeze_for && now >= *spec_.freeze_at + *spec_.freeze_for);
+  if (!frozen || still.empty()) {
+    still = frame_.grey;
+    return;
+  }
+  const auto from = static_cast<std::ptrdiff_t>(static_cast<double>(still.size()) * (1.0 - spec_.freeze_part));
+  std::copy(still.begin() + from, still.end(), frame_.grey.begin() + from);
 }
 
 bool CameraRig::receive() {
@@ -618,19 +635,23 @@ void CameraRig::judge_frame() {
                                       : fmt::format("the camera's frames cannot be used: {}: robots stand", unusable_));
 }
 
-/// The picture is the last one's, with another time stamp: nothing is known of where the robots are now. Films and
-/// pictures may repeat frames, and compressed ones show the same to the bit while nothing moves.
+/// The picture is the last one's, with another time stamp, or a part of it is an older one's: nothing is known of
+/// where the robots, or some of them, are now. Films and pictures may repeat frames, and compressed ones show the same
+/// to the bit while nothing moves.
 bool CameraRig::repeats() {
   if (spec_.kind() == CameraKind::recorded) return false;
   const bool same = repeat_watch_.repeats(frame_), frozen = repeat_watch_.frozen();
   if (frozen == frozen_.load(std::memory_order_relaxed)) return same;
-  if (frozen) freezes_.fetch_add(1, std::memory_order_release);
+  if (frozen) {
+    frozen_part_.store(repeat_watch_.part(), std::memory_order_relaxed);
+    freezes_.fetch_add(1, std::memory_order_release);
+  }
   frozen_.store(frozen, std::memory_order_release);
   if (experiment_.cameras() > 1) return same;  // Cameras tells it of each
   const std::lock_guard lock(absence_mutex_);
-  alarms_.push_back(frozen ? fmt::format("the camera is frozen: {} (a driver that hangs, a capture program whose "
-                                         "input has stopped): robots stand until it changes",
-                                         frozen_reason)
+  alarms_.push_back(frozen ? fmt::format("the camera is frozen: {} (a driver that hangs, a transfer that breaks off, "
+                                         "a capture program whose input has stopped): robots stand until it changes",
+                                         frozen_reason(repeat_watch_.part()))
                            : "the camera delivers new pictures again");
   return same;
 }

@@ -134,6 +134,7 @@ class CameraRig {
   void await_source(const std::stop_token& stop);
   bool capture();  // false: the stream has ended or failed, see reason_
   bool render();
+  void freeze(double now);
   void poses_at_their_rows(double first_row);
   bool receive();
   void work_off();
@@ -211,10 +212,12 @@ class CameraRig {
   vision::RateWatch rate_watch_;
   vision::RepeatWatch repeat_watch_;
   vision::StampWatch stamp_watch_;
-  bool fits_ = true;                      // the last frame is of the calibration's size
-  std::vector<std::uint8_t> still_;       // for practice: the picture that is repeated
+  bool fits_ = true;                                 // the last frame is of the calibration's size
+  std::array<std::vector<std::uint8_t>, 4> stills_;  // for practice: the pictures that are repeated
+  std::size_t rendered_ = 0;
   std::atomic<std::int64_t> freezes_{0};  // times that the picture was frozen
   std::atomic<bool> frozen_{false};       // it is
+  std::atomic<double> frozen_part_{1.0};  // of its height, when it was last frozen
   std::set<std::string> told_of_source_;
   int own_looks_ = 0;                    // at the marks, by the camera's thread
   std::atomic<double> next_look_{-1e9};  // at the marks [s]

@@ -42,6 +42,21 @@ TEST(CameraFrozen, RobotsGoOnWhenThePictureChangesAgain) {
     EXPECT_LT(core::distance(robot.measurement.pose, robot.truth), 0.001);
 }
 
+/// A transfer that breaks off in the middle of every frame: the tags in the upper half are seen as before.
+TEST(CameraFrozen, IsSaidOfALowerHalfAloneAndNobodyDrivesByIt) {
+  const RenderedPlatoon run(6.0, {"camera.freeze_at=2", "camera.freeze_for=1", "camera.freeze_part=0.5"});
+  EXPECT_EQ(driving(run, 1.9), 4);
+  EXPECT_EQ(driving(run, 2.0 + EstimationSpec{}.bridge + 0.08), 0);
+  EXPECT_EQ(driving(run, 2.9), 0);
+  EXPECT_EQ(driving(run, 3.5), 4);
+  EXPECT_TRUE(run.down);
+  EXPECT_EQ(run.outages, 1);
+  EXPECT_THAT(run.told, ElementsAre(HasSubstr("50 % of its picture show what older ones showed"),
+                                    HasSubstr("delivers new pictures again")));
+  for (const RobotRecord& robot : run.sink.rows.back().robots)
+    EXPECT_LT(core::distance(robot.measurement.pose, robot.truth), 0.001);
+}
+
 TEST(CameraFrozen, ASingleRepeatedFrameIsNoMatter) {
   const RenderedPlatoon run(6.0, {"camera.freeze_at=2", "camera.freeze_for=0.05"});
   EXPECT_THAT(run.told, IsEmpty());
