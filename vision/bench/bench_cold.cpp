@@ -125,7 +125,8 @@ class Pass {
     if (between_ != nullptr && timed) between_->walk();
     const double start = own_ms();
     if (media_ != nullptr) {
-      if (!media_->decode_jpeg(bytes_.data(), bytes_.size(), frame_)) throw std::runtime_error("a JPEG is damaged");
+      if (media_->decode_jpeg(bytes_.data(), bytes_.size(), frame_) != JpegState::whole)
+        throw std::runtime_error("a JPEG is damaged");
       frame_.captured_at = shot.frame.captured_at;
     }
     const double decoded = own_ms();

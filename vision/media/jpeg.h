@@ -4,6 +4,9 @@
 #include <cstdint>
 #include <span>
 
+#include "vision/frames/frame.h"
+#include "vision/modules/media.h"
+
 namespace skein::vision::media {
 
 /// A truncated JPEG decodes without an error, its lower part grey. It has no end marker behind its last start of a
@@ -17,5 +20,10 @@ inline bool jpeg_breaks_off(std::span<const std::uint8_t> bytes) {
   }
   return true;
 }
+
+/// See Media::decode_jpeg. A decoder goes on behind a bit that was flipped or bytes that are lost, and all blocks
+/// behind it may stand elsewhere, with sharp tags in them. It warns where it meets a code that does not exist, and
+/// where the coded blocks are too few or too many up to the next marker.
+JpegState decode_jpeg(std::span<const std::uint8_t> bytes, Frame& frame);
 
 }  // namespace skein::vision::media

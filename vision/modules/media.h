@@ -18,12 +18,20 @@ namespace skein::vision {
 
 enum class MediaKind { images, video };
 
+/// What a decoder makes of a JPEG.
+enum class JpegState {
+  whole,
+  padded,   ///< a few bytes are left over before a marker: some cameras put them there in every frame, otherwise they
+            ///< are what is left of a block that was lost
+  damaged,  ///< pixels are missing, or elsewhere
+};
+
 struct Media {
   /// Opens a source of this kind; null on failure, with the reason in `error`.
   std::unique_ptr<FrameSource> (*open)(MediaKind kind, const std::string& path, std::string& error);
 
-  /// A JPEG of a camera's MJPEG stream into frame.grey, width and height. false: it is damaged.
-  bool (*decode_jpeg)(const std::uint8_t* bytes, std::size_t size, Frame& frame);
+  /// A JPEG of a camera's MJPEG stream into frame.grey, width and height.
+  JpegState (*decode_jpeg)(const std::uint8_t* bytes, std::size_t size, Frame& frame);
 
   /// Encodes a frame as a JPEG in colour, as cameras do: for measurements. quality: 1 to 100. false: the encoder
   /// refuses it.
@@ -39,6 +47,6 @@ struct Media {
 
 /// The one name that is looked up in the module. It carries a number, to be raised whenever Media, Frame, FrameSource
 /// or FilmWriter change, so that a module left over from another version is refused.
-inline constexpr const char* media_symbol = "skein_media_9";
+inline constexpr const char* media_symbol = "skein_media_10";
 
 }  // namespace skein::vision

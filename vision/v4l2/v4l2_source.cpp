@@ -32,7 +32,22 @@ constexpr double least_stall_wait = 0.02;
 // From one look at the exposure and at automatics that are on to the next.
 constexpr std::int64_t frames_between_looks = 25;
 
+constexpr const char* against_damage =
+    "use another cable, a port of its own without a hub, a smaller size, a lower rate or another "
+    "format (skein track --format)";
+
 using detail::four_letters;
+
+/// Whether something is so in most frames of late: an average over the last `frames` or so.
+class Habit {
+ public:
+  Habit(double share, double frames) : share_(share), weight_(1.0 / frames) {}
+  void add(bool so) { share_ += weight_ * ((so ? 1.0 : 0.0) - share_); }
+  double share() const { return share_; }
+
+ private:
+  double share_, weight_;
+};
 
 /// What is wrong with frames of these fields, for people; nothing where all rows of a frame are of one moment.
 const char* fields_lack(std::uint32_t field) {
@@ -98,7 +113,8 @@ class V4l2Camera final : public FrameSource {
           return tl::unexpected(given_up);
         }
       // A damaged frame (a bad cable, a full bus): the next one may be well, but not for ever.
-      if (damaged_ > max_damaged) return tl::unexpected(device_.path() + ": sends only damaged frames");
+      if (damaged_ > max_damaged)
+        return tl::unexpected(fmt::format("{}: sends only damaged frames; {}", device_.path(), against_damage));
     }
   }
 
@@ -130,6 +146,7 @@ class V4l2Camera final : public FrameSource {
   }
 
   void note(const std::vector<std::string>& notices, const std::vector<std::string>& others) {
+    told_of_damage_ = false;
     const std::lock_guard lock(status_mutex_);
     status_.notices = notices;
     std::copy_if(others.begin(), others.end(), std::back_inserter(status_.notices),
@@ -211,11 +228,17 @@ class V4l2Camera final : public FrameSource {
       frame.source = std::to_string(frame.index);
     }
     damaged_ = whole ? 0 : damaged_ + 1;
+    damage_.add(!whole);
+    const bool starves = !told_of_damage_ && damage_.share() > 0.5;
+    told_of_damage_ = told_of_damage_ || starves;
     fresh_ = fresh_ && !whole;
     {
       const std::lock_guard lock(status_mutex_);
       if (const char* lacks = first ? stamps_lack(stamps()) : nullptr)
         status_.notices.push_back(fmt::format("{}: {}", device_.path(), lacks));
+      if (starves)
+        status_.notices.push_back(
+            fmt::format("{}: most of its frames arrive damaged and are left out; {}", device_.path(), against_damage));
       status_.up = status_.up || whole;
       status_.damaged += whole ? 0 : 1;
       status_.passed_over += passed_over;
@@ -350,12 +373,15 @@ class V4l2Camera final : public FrameSource {
     return {};
   }
 
-  bool convert(const v4l2_buffer& buffer, Frame& frame) const {
+  bool convert(const v4l2_buffer& buffer, Frame& frame) {
     if (buffer.index >= buffers_.size()) return false;
     const auto* bytes = static_cast<const std::uint8_t*>(buffers_[buffer.index].start);
     const std::size_t used = std::min<std::size_t>(buffer.bytesused, buffers_[buffer.index].length);
     if (pixels_->to_grey == nullptr) {
-      return media_->decode_jpeg(bytes, used, frame) && frame.width == width_ && frame.height == height_;
+      const JpegState state = media_->decode_jpeg(bytes, used, frame);
+      if (state == JpegState::damaged || frame.width != width_ || frame.height != height_) return false;
+      padding_.add(state == JpegState::padded);
+      return state == JpegState::whole || padding_.share() > 0.3;
     }
     frame.resize(width_, height_);
     return pixels_->to_grey({bytes, used}, stride_, frame);
@@ -426,9 +452,13 @@ class V4l2Camera final : public FrameSource {
   std::int64_t frames_ = 0;
   std::int64_t next_look_ = 0;  // at the controls: when so many frames have come
   int damaged_ = 0;             // frames in a row
-  bool left_ = false;           // the caller no longer waits for a frame
-  bool fresh_ = true;           // no frame since it was opened
-  double out_for_ = 0.0;        // how long it has not delivered [s]
+  Habit damage_{0.0, 50.0};
+  bool told_of_damage_ = false;
+  // A camera that pads its JPEGs pads all of them; until it has shown that it does not, it may.
+  Habit padding_{1.0, 10.0};
+  bool left_ = false;     // the caller no longer waits for a frame
+  bool fresh_ = true;     // no frame since it was opened
+  double out_for_ = 0.0;  // how long it has not delivered [s]
   double last_stamp_ = 0.0;
   std::atomic<TimeStamps> stamps_{TimeStamps::arrival};  // until a frame has said better
   mutable std::mutex status_mutex_;

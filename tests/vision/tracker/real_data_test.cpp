@@ -354,9 +354,9 @@ TEST_F(RealData, FramesOfAnMjpegCameraAreDecoded) {
     return (*module)->decode_jpeg(reinterpret_cast<const std::uint8_t*>(photo.data()), size, frame);
   };
   Frame frame;
-  EXPECT_FALSE(decode(photo.size() / 2, frame));
-  EXPECT_FALSE(decode(0, frame));
-  ASSERT_TRUE(decode(photo.size(), frame));
+  EXPECT_EQ(decode(photo.size() / 2, frame), JpegState::damaged);
+  EXPECT_EQ(decode(0, frame), JpegState::damaged);
+  ASSERT_EQ(decode(photo.size(), frame), JpegState::whole);
   EXPECT_EQ(frame.width, 1280);
   EXPECT_EQ(frame.height, 720);
   TagDetector detector;

@@ -51,6 +51,7 @@ class FakeCamera final : public V4l2Kernel {
     double at = 0.0;
     std::uint32_t flags = 0;
     bool cut_short = false;
+    std::vector<std::uint8_t> coded{};  // a JPEG, in place of the grey
   };
   std::deque<std::vector<Shot>> coming;
   int interruptions = 0;   // calls that a signal interrupts first
@@ -251,7 +252,9 @@ class FakeCamera final : public V4l2Kernel {
     idle_.pop_front();
     std::vector<std::uint8_t>& bytes = memory_[buffer.index];
     std::fill(bytes.begin(), bytes.end(), shot.grey);
-    buffer.bytesused = static_cast<std::uint32_t>(shot.cut_short ? bytes.size() / 2 : bytes.size());
+    std::copy(shot.coded.begin(), shot.coded.end(), bytes.begin());
+    const std::size_t size = shot.coded.empty() ? bytes.size() : shot.coded.size();
+    buffer.bytesused = static_cast<std::uint32_t>(shot.cut_short ? size / 2 : size);
     buffer.flags = timestamp | shot.flags;
     buffer.timestamp.tv_sec = static_cast<time_t>(shot.at);
     buffer.timestamp.tv_usec = std::lround(1e6 * (shot.at - static_cast<double>(buffer.timestamp.tv_sec)));

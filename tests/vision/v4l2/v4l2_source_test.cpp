@@ -252,7 +252,10 @@ TEST(V4l2, PassesDamagedFramesOver) {
   for (int i = 0; i < 100; ++i) fake.coming.push_back({{1, 2.0, V4L2_BUF_FLAG_ERROR}});
   const auto read = (*camera)->read(frame);
   ASSERT_FALSE(read);
-  EXPECT_EQ(read.error(), "/dev/fake: sends only damaged frames");
+  EXPECT_EQ(
+      read.error(),
+      "/dev/fake: sends only damaged frames; use another cable, a port of its own without a hub, a smaller size, a "
+      "lower rate or another format (skein track --format)");
 }
 
 TEST(V4l2, ACameraThatStallsIsOpenedAgain) {

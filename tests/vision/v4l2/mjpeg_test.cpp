@@ -1,0 +1,343 @@
+// Frames of an MJPEG camera that were damaged on their way: a decoder goes on behind the damage, with everything
+// elsewhere. What cameras put into whole frames is no damage.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <csetjmp>
+#include <cstdio>
+#include <cstdlib>
+#include <random>
+#include <utility>
+
+#include <jpeglib.h>
+
+#include "tests/vision/support.h"
+#include "tests/vision/v4l2/fake_camera.h"
+#include "vision/modules/media_loader.h"
+#include "vision/synthetic/synthetic_camera.h"
+#include "vision/tracker/tracker.h"
+#include "vision/v4l2/v4l2_source.h"
+
+namespace skein::vision {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+/// As cameras code it: in colour, half as many of them along a row; `restarts`: a restart marker after each row of
+/// blocks.
+Bytes encode(const Frame& frame, bool restarts, int quality = 80) {
+  jpeg_compress_struct coder{};
+  jpeg_error_mgr errors{};
+  coder.err = jpeg_std_error(&errors);
+  jpeg_create_compress(&coder);
+  unsigned char* memory = nullptr;
+  unsigned long size = 0;
+  jpeg_mem_dest(&coder, &memory, &size);
+  coder.image_width = static_cast<JDIMENSION>(frame.width);
+  coder.image_height = static_cast<JDIMENSION>(frame.height);
+  coder.input_components = 3;
+  coder.in_color_space = JCS_RGB;
+  jpeg_set_defaults(&coder);
+  jpeg_set_quality(&coder, quality, TRUE);
+  coder.comp_info[0].v_samp_factor = 1;
+  coder.restart_in_rows = restarts ? 1 : 0;
+  jpeg_start_compress(&coder, TRUE);
+  Bytes colours(3 * static_cast<std::size_t>(frame.width));
+  for (int v = 0; v < frame.height; ++v) {
+    for (std::size_t u = 0; u < colours.size(); ++u) colours[u] = frame.row(v)[u / 3];
+    JSAMPROW row = colours.data();
+    jpeg_write_scanlines(&coder, &row, 1);
+  }
+  jpeg_finish_compress(&coder);
+  Bytes bytes(memory, memory + size);
+  jpeg_destroy_compress(&coder);
+  std::free(memory);
+  return bytes;
+}
+
+/// The control: a decoder that minds nothing but what it cannot decode at all. false: that.
+bool decode_anything(const Bytes& bytes, Frame& frame) {
+  struct Errors : jpeg_error_mgr {
+    std::jmp_buf give_up;
+  };
+  jpeg_decompress_struct decoder{};
+  Errors errors{};
+  decoder.err = jpeg_std_error(&errors);
+  errors.error_exit = [](j_common_ptr at) { std::longjmp(static_cast<Errors*>(at->err)->give_up, 1); };
+  errors.emit_message = [](j_common_ptr, int) {};
+  const bool decoded = setjmp(errors.give_up) == 0;
+  if (decoded) {
+    jpeg_create_decompress(&decoder);
+    jpeg_mem_src(&decoder, bytes.data(), bytes.size());
+    jpeg_read_header(&decoder, TRUE);
+    decoder.out_color_space = JCS_GRAYSCALE;
+    jpeg_start_decompress(&decoder);
+    frame.resize(static_cast<int>(decoder.output_width), static_cast<int>(decoder.output_height));
+    while (decoder.output_scanline < decoder.output_height) {
+      JSAMPROW row = frame.row(static_cast<int>(decoder.output_scanline));
+      jpeg_read_scanlines(&decoder, &row, 1);
+    }
+    jpeg_finish_decompress(&decoder);
+  }
+  jpeg_destroy_decompress(&decoder);
+  return decoded;
+}
+
+JpegState decode(const Bytes& bytes, Frame& frame) {
+  return media().value()->decode_jpeg(bytes.data(), bytes.size(), frame);
+}
+
+/// Where the coded blocks begin.
+std::size_t scan_of(const Bytes& bytes) {
+  for (std::size_t at = 0; at + 1 < bytes.size(); ++at)
+    if (bytes[at] == 0xff && bytes[at + 1] == 0xda) return at + 2 + 256U * bytes[at + 2] + bytes[at + 3];
+  ADD_FAILURE() << "no scan";
+  return 0;
+}
+
+/// A camera's own bytes before its restart markers, or before its end.
+Bytes padded(const Bytes& bytes, bool restarts, std::size_t count) {
+  Bytes more(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(scan_of(bytes)));
+  for (std::size_t at = more.size(); at < bytes.size(); ++at) {
+    const bool marker = at + 1 < bytes.size() && bytes[at] == 0xff && bytes[at + 1] != 0;
+    if (marker && (bytes[at + 1] == 0xd9) != restarts) more.insert(more.end(), count, 0x5a);
+    more.push_back(bytes[at]);
+  }
+  return more;
+}
+
+Bytes without(const Bytes& bytes, std::size_t at, std::size_t count) {
+  Bytes fewer = bytes;
+  const auto from = fewer.begin() + static_cast<std::ptrdiff_t>(at);
+  fewer.erase(from, from + static_cast<std::ptrdiff_t>(count));
+  return fewer;
+}
+
+/// Twelve tags on a floor, seen by a camera with noise.
+struct Floor {
+  Floor() {
+    calibration.tag_size = 0.08;
+    for (int k = 0; k < 12; ++k)
+      tags.push_back({.tag = k, .pose = {-0.75 + 0.5 * (k % 4), -0.5 + 0.5 * (k / 4), 0.4 * k}, .size = 0.08});
+    SyntheticCamera(calibration, {}, 3).render(tags, 0.0, frame);
+  }
+  Calibration calibration = overhead_calibration(2.0, 1.5);
+  std::vector<SyntheticTag> tags;
+  Frame frame;
+};
+
+TEST(Mjpeg, WhatCamerasPutBeforeTheirMarkersIsNoDamage) {
+  const Floor floor;
+  Frame frame, again;
+  for (const bool restarts : {true, false}) {
+    const Bytes whole = encode(floor.frame, restarts);
+    ASSERT_EQ(decode(whole, frame), JpegState::whole);
+    // Logitech's C270 and C910 have 1 to 10 bytes before each restart marker, others 8 to 12 before the end.
+    for (std::size_t count = 1; count <= 12; ++count) {
+      // Up to seven bytes before the end are in the decoder's hand already, and it does not mind.
+      const JpegState state = decode(padded(whole, restarts, count), again);
+      EXPECT_EQ(state, restarts || count > 7 ? JpegState::padded : state) << count;
+      EXPECT_NE(state, JpegState::damaged) << count;
+      EXPECT_EQ(again.grey, frame.grey) << count;
+    }
+    EXPECT_EQ(decode(padded(whole, restarts, 40), again), JpegState::damaged);
+    Bytes followed = whole;
+    followed.insert(followed.end(), 100, 0);
+    EXPECT_EQ(decode(followed, again), JpegState::whole) << "what a buffer has behind it";
+  }
+}
+
+TEST(Mjpeg, CamerasThatLeaveTheirTablesOutAreDecoded) {
+  const Floor floor;
+  Bytes bytes = encode(floor.frame, false);
+  Frame frame, again;
+  ASSERT_EQ(decode(bytes, frame), JpegState::whole);
+  for (std::size_t at = 0; at + 3 < scan_of(bytes);)
+    if (bytes[at] == 0xff && bytes[at + 1] == 0xc4)
+      bytes = without(bytes, at, 2U + 256U * bytes[at + 2] + bytes[at + 3]);
+    else
+      ++at;
+  EXPECT_EQ(decode(bytes, again), JpegState::whole);
+  EXPECT_EQ(again.grey, frame.grey);
+}
+
+TEST(Mjpeg, AFrameThatWasCutAndEndedIsDamaged) {
+  const Floor floor;
+  for (const bool restarts : {true, false}) {
+    Bytes bytes = encode(floor.frame, restarts);
+    bytes.resize(bytes.size() / 2);
+    Frame frame;
+    EXPECT_EQ(decode(bytes, frame), JpegState::damaged);
+    bytes.insert(bytes.end(), {0xff, 0xd9});
+    EXPECT_EQ(decode(bytes, frame), JpegState::damaged) << "the rest of it would be grey";
+    EXPECT_TRUE(decode_anything(bytes, frame)) << "the control";
+  }
+}
+
+TEST(Mjpeg, AHeaderThatAsksForAllOfTheMemoryIsDamaged) {
+  const Floor floor;
+  Bytes bytes = encode(floor.frame, false);
+  for (std::size_t at = 0; at + 8 < scan_of(bytes); ++at)
+    if (bytes[at] == 0xff && bytes[at + 1] == 0xc0) bytes[at + 5] = bytes[at + 7] = 0xff;  // height and width
+  Frame frame;
+  EXPECT_EQ(decode(bytes, frame), JpegState::damaged);
+  EXPECT_EQ(frame.grey.capacity(), 0U);
+}
+
+/// What a tracker makes of a damaged frame: how far its tags are from where they are, at most. [m]
+class Damage {
+ public:
+  Damage(bool restarts, bool pads) : coded_(encode(floor_.frame, restarts)) {
+    if (pads) coded_ = padded(coded_, restarts, restarts ? 3 : 10);
+    EXPECT_EQ(decode(coded_, frame_), pads ? JpegState::padded : JpegState::whole);
+    while (tracker_.counters().frames < 60) track();
+    EXPECT_EQ(track(), 12U);
+    EXPECT_LT(worst_, 0.5e-3);
+  }
+  const Bytes& coded() const { return coded_; }
+
+  void take(const Bytes& bytes) {
+    ++frames;
+    Frame judged;
+    const JpegState state = decode(bytes, judged);
+    noticed += state == JpegState::damaged ? 1 : 0;
+    padded_like += state == JpegState::padded ? 1 : 0;
+    if (!decode_anything(bytes, frame_) || frame_.width != floor_.frame.width) return;
+    track();
+    const bool wrong = worst_ > 1e-3;
+    wrong_before += wrong ? 1 : 0;
+    worst_before = std::max(worst_before, worst_);
+    if (state == JpegState::whole) {
+      wrong_whole += wrong ? 1 : 0;
+      worst_whole = std::max(worst_whole, worst_);
+    }
+    if (state != JpegState::damaged) {
+      wrong_kept += wrong ? 1 : 0;
+      worst_kept = std::max(worst_kept, worst_);
+    }
+    decode_anything(coded_, frame_);
+    for (int k = 0; k < 2; ++k) track();
+  }
+  int frames = 0, noticed = 0, padded_like = 0, wrong_before = 0, wrong_whole = 0, wrong_kept = 0;
+  double worst_before = 0.0, worst_whole = 0.0, worst_kept = 0.0;  // [m]
+
+ private:
+  std::size_t track() {
+    frame_.captured_at = 0.04 * static_cast<double>(tracker_.counters().frames);
+    const auto& seen = tracker_.process(frame_);
+    worst_ = 0.0;
+    for (const TagPose& tag : seen)
+      worst_ = std::max(worst_, core::distance(tag.pose, floor_.tags[static_cast<std::size_t>(tag.tag)].pose));
+    return seen.size();
+  }
+  Floor floor_;
+  Bytes coded_;
+  Frame frame_;
+  TagTracker tracker_{floor_.calibration, {.tags = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}}};
+  double worst_ = 0.0;
+};
+
+TEST(Mjpeg, TagsThatStandElsewhereBelowADamageAreLeftOut) {
+  const int frames = test::sanitized ? 10 : 200;
+  for (const bool restarts : {false, true})
+    for (const bool lost : {false, true}) {
+      Damage damage(restarts, false);
+      const Bytes& whole = damage.coded();
+      const std::size_t scan = scan_of(whole);
+      std::mt19937 random(4);
+      for (int k = 0; k < frames; ++k) {
+        const std::size_t at = scan + random() % (whole.size() - scan - 3100);
+        Bytes bytes = lost ? without(whole, at, 1 + random() % 3000) : whole;
+        if (!lost) bytes[at] ^= static_cast<std::uint8_t>(1U << random() % 8);
+        damage.take(bytes);
+      }
+      if (!test::sanitized) {
+        EXPECT_GT(damage.noticed, lost ? 195 : 20);
+      }
+      EXPECT_EQ(damage.wrong_whole, 0) << "with any other tag elsewhere";
+      EXPECT_LE(damage.wrong_kept, lost || restarts ? 0 : 2) << "where a camera pads its frames";
+      fmt::print(
+          "{}, {} restart markers: {} of {} frames show a tag more than 1 mm elsewhere, by up to {:.1f} mm.\n"
+          "  {} frames are left out as damaged, {} have as few bytes left over as some cameras put there.\n"
+          "  Of the others {} show a tag elsewhere, by up to {:.1f} mm; if the camera pads its frames {}, by up to "
+          "{:.1f} mm\n",
+          lost ? "up to 3000 bytes lost" : "a bit flipped", restarts ? "with" : "without", damage.wrong_before,
+          damage.frames, 1e3 * damage.worst_before, damage.noticed, damage.padded_like, damage.wrong_whole,
+          1e3 * damage.worst_whole, damage.wrong_kept, 1e3 * damage.worst_kept);
+    }
+}
+
+/// A camera whose frames are these, one after the other, as its driver hands them over.
+struct MjpegCamera {
+  explicit MjpegCamera(const std::vector<Bytes>& frames) {
+    fake.formats = {V4L2_PIX_FMT_MJPEG};
+    double t = 1.0;
+    for (const Bytes& frame : frames) fake.coming.push_back({{.at = t += 0.04, .coded = frame}});
+    auto opened = open_v4l2("/dev/fake", {}, fake);
+    EXPECT_TRUE(opened) << opened.error();
+    source = std::move(*opened);
+  }
+  /// Of the frames that it gives until nothing comes any more.
+  int read() {
+    Frame frame;
+    int whole = 0;
+    while (!fake.coming.empty() && source->read(frame).value_or(false)) ++whole;
+    return whole;
+  }
+  std::vector<std::string> starving() const {
+    std::vector<std::string> said = source->status().notices;
+    std::erase_if(said, [](const std::string& notice) { return notice.find("damaged") == std::string::npos; });
+    return said;
+  }
+  FakeCamera fake;
+  std::unique_ptr<FrameSource> source;
+};
+
+struct MjpegSource : ::testing::Test {
+  MjpegSource() {
+    std::mt19937 random(1);
+    Frame frame;
+    frame.resize(640, 480);
+    for (int v = 0; v < frame.height; ++v)
+      for (int u = 0; u < frame.width; ++u)
+        frame.row(v)[u] = static_cast<std::uint8_t>(40 + 150 * ((u / 40 + v / 30) % 2) + random() % 9);
+    whole = encode(frame, true);
+    pads = padded(whole, true, 5);
+    damaged = without(whole, whole.size() / 2, 700);
+  }
+  Bytes whole, pads, damaged;
+};
+
+TEST_F(MjpegSource, OfACameraThatPadsItsFramesGivesAllOfThem) {
+  MjpegCamera camera(std::vector<Bytes>(100, pads));
+  EXPECT_EQ(camera.read(), 100);
+  EXPECT_EQ(camera.source->status().damaged, 0);
+}
+
+TEST_F(MjpegSource, OfACameraThatDoesNotTakesThemForDamage) {
+  std::vector<Bytes> frames(100, whole);
+  for (const std::size_t k : {30U, 50U, 80U, 81U}) frames[k] = pads;
+  MjpegCamera camera(frames);
+  EXPECT_EQ(camera.read(), 96);
+  EXPECT_EQ(camera.source->status().damaged, 4);
+  EXPECT_TRUE(camera.starving().empty());
+}
+
+TEST_F(MjpegSource, TellsOnceThatMostFramesAreDamaged) {
+  std::vector<Bytes> frames;
+  for (int k = 0; k < 300; ++k) frames.push_back(k % 5 == 4 ? whole : damaged);
+  MjpegCamera bad(frames);
+  EXPECT_EQ(bad.read(), 60);
+  ASSERT_EQ(bad.starving().size(), 1U);
+  EXPECT_EQ(bad.starving()[0],
+            "/dev/fake: most of its frames arrive damaged and are left out; use another cable, a port of its own "
+            "without a hub, a smaller size, a lower rate or another format (skein track --format)");
+  for (int k = 0; k < 300; ++k) frames[static_cast<std::size_t>(k)] = k % 5 == 0 ? damaged : whole;
+  MjpegCamera good(frames);
+  EXPECT_EQ(good.read(), 240);
+  EXPECT_TRUE(good.starving().empty()) << "the control";
+}
+
+}  // namespace
+}  // namespace skein::vision
