@@ -379,9 +379,18 @@ class V4l2Camera final : public FrameSource {
     const std::size_t used = std::min<std::size_t>(buffer.bytesused, buffers_[buffer.index].length);
     if (pixels_->to_grey == nullptr) {
       const JpegState state = media_->decode_jpeg(bytes, used, frame);
-      if (state == JpegState::damaged || frame.width != width_ || frame.height != height_) return false;
-      padding_.add(state == JpegState::padded);
-      return state == JpegState::whole || padding_.share() > 0.3;
+      if (frame.width != width_ || frame.height != height_) return false;
+      switch (state) {
+        case JpegState::whole:
+          padding_.add(false);
+          return true;
+        case JpegState::padded:
+          padding_.add(true);
+          return padding_.share() > 0.3;
+        case JpegState::damaged:
+          return false;
+      }
+      return false;
     }
     frame.resize(width_, height_);
     return pixels_->to_grey({bytes, used}, stride_, frame);
