@@ -34,16 +34,17 @@ class ProgressWatch {
       robot = {};
       return false;
     }
-    if (std::isnan(away.along_a_route)) robot.route = {};
+    // What it moved before a route is no progress along it.
+    if (std::isnan(away.along_a_route)) robot.route = {}, robot.at = away.at;
     const bool runs = robot.route.nears(away.along_a_route, progress_on_route);
     const bool gets_on = runs && (away.waits || has_moved(robot, away.at));
-    if (gets_on) robot.at = away.at;
     // Each of them keeps account of its distance: none may be left out because another one says yes.
     const bool nears_place = robot.place.nears(away.from_place, progress);
     const bool nears_end = robot.end.nears(away.from_end, progress);
     const bool beats_place = robot.place.beats(away.from_place);
     const bool beats = robot.end.beats(away.from_end) || beats_place;
     const bool nears = nears_place || nears_end;
+    if (gets_on || nears) robot.at = away.at;
     const bool falls_behind = robot.place.falls_behind(away.from_place);
     robot.waited = gets_on || nears ? 0.0 : robot.waited + dt;
     robot.unbeaten = gets_on || beats || falls_behind ? 0.0 : robot.unbeaten + dt;

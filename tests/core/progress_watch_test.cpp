@@ -49,6 +49,22 @@ TEST(ProgressWatch, ARobotThatStandsWhileItsRoutesBeginAnewIsStuck) {
   }
 }
 
+/// What it had moved before counted as progress as soon as the time of a new route ran, also seconds later.
+TEST(ProgressWatch, MotionBeforeARouteIsNoProgressAlongIt) {
+  constexpr int stands_from = 50, new_route_at = 70;
+  ProgressWatch watch(1);
+  int said_at = 0;
+  for (int k = 0; k < 250 && said_at == 0; ++k) {
+    const double left = k < stands_from    ? 20.0 - 0.25 * dt * k
+                        : k < new_route_at ? none
+                                           : 19.0 - dt * (k - new_route_at);
+    const Pose at{0.001 * std::min(k, stands_from), 0.0, 0.0};
+    if (watch.stuck(0, {0.1 + 0.002 * k, none, left, at}, dt)) said_at = k;
+  }
+  EXPECT_GT(said_at, stands_from);
+  EXPECT_LE((said_at - stands_from) * dt, ProgressWatch::patience);
+}
+
 TEST(ProgressWatch, ARobotThatItsRouteHasWaitIsNotStuck) {
   for (const bool waits : {false, true}) {
     ProgressWatch watch(1);
