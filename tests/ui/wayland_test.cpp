@@ -2,6 +2,8 @@
 // Skipped where there is no Weston.
 #include <gtest/gtest.h>
 
+#include <sys/stat.h>
+
 #include <QFile>
 #include <QLibraryInfo>
 #include <QProcess>
@@ -21,6 +23,9 @@ class Wayland : public ShownProgram {
     if (QStandardPaths::findExecutable(QStringLiteral("Xwayland")).isEmpty())
       GTEST_SKIP() << "there is no XWayland: install the package xwayland";
     QFile::setPermissions(directory.path(), QFile::ReadOwner | QFile::WriteOwner | QFile::ExeOwner);
+    // For the sockets of X servers: Weston needs it, and does not make it.
+    ::mkdir("/tmp/.X11-unix", 0777);
+    ::chmod("/tmp/.X11-unix", 01777);
     server.setProcessEnvironment(with({{"XDG_RUNTIME_DIR", directory.path()}, {"HOME", directory.path()}}));
     server.setProcessChannelMode(QProcess::MergedChannels);
     server.start(program, {QStringLiteral("--backend=headless-backend.so"), QStringLiteral("--use-pixman"),
