@@ -5,8 +5,6 @@
 #include <QStyleFactory>
 #include <QThread>
 #include <cstdlib>
-#include <optional>
-#include <utility>
 
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
@@ -53,23 +51,10 @@ void message_while_open(QtMsgType type, const QMessageLogContext& context, const
 
 /// A Wayland client cannot place its windows, so that a dialog may open over the STOP button: where a Wayland session
 /// offers XWayland, the window uses that, unless the user chose otherwise.
-class PreferX {
- public:
-  PreferX() {
-    if (qEnvironmentVariableIsEmpty("DISPLAY") || qEnvironmentVariableIsEmpty("WAYLAND_DISPLAY") ||
-        qEnvironmentVariableIsSet("QT_QPA_PLATFORM"))
-      return;
-    set_ = qputenv("QT_QPA_PLATFORM", "xcb;wayland");  // the second if the first does not start
-  }
-  ~PreferX() {
-    if (set_) qunsetenv("QT_QPA_PLATFORM");  // programs that are started from here choose for themselves
-  }
-  PreferX(const PreferX&) = delete;
-  PreferX& operator=(const PreferX&) = delete;
-
- private:
-  bool set_ = false;
-};
+bool prefers_x() {
+  return !qEnvironmentVariableIsEmpty("DISPLAY") && !qEnvironmentVariableIsEmpty("WAYLAND_DISPLAY") &&
+         !qEnvironmentVariableIsSet("QT_QPA_PLATFORM");
+}
 
 }  // namespace
 
@@ -90,9 +75,9 @@ void prepare(QApplication& application) {
 
 int show_window(const app::WindowRequest& request, int& argc, char** argv) {
   usual_messages = qInstallMessageHandler(message_at_start);
-  std::optional<PreferX> prefer_x(std::in_place);
+  const bool set = prefers_x() && qputenv("QT_QPA_PLATFORM", "xcb;wayland");  // the second if the first does not start
   QApplication application(argc, argv);
-  prefer_x.reset();
+  if (set) qunsetenv("QT_QPA_PLATFORM");  // programs that are started from here choose for themselves
   qInstallMessageHandler(message_while_open);
   prepare(application);
   MainWindow window;
