@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <QDeadlineTimer>
+#include <QDir>
 #include <QProcess>
 #include <QTemporaryDir>
 #include <initializer_list>
@@ -30,6 +32,7 @@ class ShownProgram : public ::testing::Test {
     for (const char* name : {"DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM"}) environment.remove(QLatin1String(name));
     environment.insert(QStringLiteral("XDG_CONFIG_HOME"), directory.path());
     environment.insert(QStringLiteral("XDG_DATA_HOME"), directory.path());
+    environment.insert(QStringLiteral("XDG_STATE_HOME"), directory.filePath(QStringLiteral("state")));
     // Under the AddressSanitizer: what libdbus and Qt's plugins keep to the end is not what is tested here.
     environment.insert(QStringLiteral("ASAN_OPTIONS"), QStringLiteral("detect_leaks=0"));
     for (const auto& [name, value] : variables) environment.insert(QLatin1String(name), value);
@@ -40,10 +43,16 @@ class ShownProgram : public ::testing::Test {
     skein.start(QString::fromStdString(skein::test::program()), words);
     ASSERT_TRUE(skein.waitForStarted(patience_ms));
   }
+  /// Until it drives robots, where `words` name an experiment with links: such a run leaves a marker. Else for a while.
   void start(const QStringList& words, Variables variables) {
     launch(words, variables);
-    skein.waitForFinished(1500);  // long enough to be on the screen and running
+    const QDir markers(directory.filePath(QStringLiteral("state/skein")));
+    const QDeadlineTimer deadline(patience_ms);
+    do {
+      skein.waitForFinished(words.isEmpty() ? 1500 : 100);
+    } while (!words.isEmpty() && skein.state() == QProcess::Running && markers.isEmpty() && !deadline.hasExpired());
     ASSERT_EQ(skein.state(), QProcess::Running) << skein.readAllStandardError().toStdString();
+    ASSERT_TRUE(words.isEmpty() || !markers.isEmpty()) << "no run began";
   }
   /// The display is gone while links to robots are open.
   void expect_stopped_robots() {
