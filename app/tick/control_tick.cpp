@@ -765,9 +765,10 @@ void TickState::watch_progress() noexcept {
     // Beside an obstacle on its lane a robot is abreast of its place, and nothing keeps it from it.
     if (planner && planner->state(i) == core::Planner::State::passing) progress.restart(i);
     const bool to_its_end = record.phase != Phase::staging && ends[i];
+    // Beside its route it is held up, and does not wait.
+    const double from_wait = followed[i].twist == core::Twist{} ? core::distance(poses[i], followed[i].pose) : none;
     const core::ProgressWatch::Away how_far{away, to_its_end ? core::distance(poses[i], *ends[i]) : none,
-                                            planner ? planner->time_left(i) : none, poses[i],
-                                            followed[i].twist == core::Twist{}};
+                                            planner ? planner->time_left(i) : none, poses[i], from_wait};
     if (!moving() || std::isnan(away) || !progress.stuck(i, how_far, motion_dt)) continue;
     note(events::NoProgress{i, away, hindrance(i)});
   }

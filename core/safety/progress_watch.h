@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -18,11 +20,11 @@ class ProgressWatch {
   explicit ProgressWatch(std::size_t robots) : robots_(robots) {}
 
   struct Away {
-    double from_place;     ///< where the robot is to be now [m]
-    double from_end;       ///< where its place will finally rest [m]; NaN: it drives on
-    double along_a_route;  ///< time that its planned route still takes [s]; NaN: it has none
-    Pose at{};             ///< where the robot is
-    bool waits = false;    ///< its route has it stand for now, until others have passed
+    double from_place;        ///< where the robot is to be now [m]
+    double from_end;          ///< where its place will finally rest [m]; NaN: it drives on
+    double along_a_route;     ///< time that its planned route still takes [s]; NaN: it has none
+    Pose at{};                ///< where the robot is
+    double from_wait = none;  ///< where its route has it stand for now, until others have passed [m]; NaN: it drives
   };
 
   /// One tick: robot i is so far away and has been driven for `dt` [s]. True once when it has made no progress for
@@ -34,23 +36,25 @@ class ProgressWatch {
       robot = {};
       return false;
     }
-    // What it moved before a route is no progress along it.
-    if (std::isnan(away.along_a_route)) robot.route = {}, robot.at = away.at;
-    const bool runs = robot.route.nears(away.along_a_route, progress_on_route);
-    const bool gets_on = runs && (away.waits || has_moved(robot, away.at));
+    robot.follow_route(away, dt);
+    robot.remember(away, dt);
+    const bool runs = robot.lately([&](const Moment& then) { return robot.ran - then.ran > progress_on_route; });
+    const bool waits = runs && away.from_wait < at_its_place;
+    const bool gets_on =
+        waits || (runs && robot.lately([&](const Moment& then) { return far(then.on_route, robot.on_route); }));
+    const bool nears = robot.lately([&](const Moment& then) {
+      return then.place - away.from_place > progress || then.end - away.from_end > progress;
+    });
     // Each of them keeps account of its distance: none may be left out because another one says yes.
-    const bool nears_place = robot.place.nears(away.from_place, progress);
-    const bool nears_end = robot.end.nears(away.from_end, progress);
     const bool beats_place = robot.place.beats(away.from_place);
     const bool beats = robot.end.beats(away.from_end) || beats_place;
-    const bool nears = nears_place || nears_end;
-    if (gets_on || nears) robot.at = away.at;
     const bool falls_behind = robot.place.falls_behind(away.from_place);
-    robot.waited = gets_on || nears ? 0.0 : robot.waited + dt;
+    robot.watched = waits ? 0.0 : robot.watched + dt;
     robot.unbeaten = gets_on || beats || falls_behind ? 0.0 : robot.unbeaten + dt;
     if (gets_on || beats) robot.told = false;
     // A nanosecond: dt is a quotient, and the patience a whole number of ticks.
-    if (robot.told || (robot.waited < patience - 1e-9 && robot.unbeaten < long_patience - 1e-9)) return false;
+    const bool stands = !gets_on && !nears && robot.watched >= patience - 1e-9;
+    if (robot.told || (!stands && robot.unbeaten < long_patience - 1e-9)) return false;
     return robot.told = true;
   }
   /// Robot i was moved by hand: restarts its time without progress.
@@ -64,40 +68,77 @@ class ProgressWatch {
   static constexpr double at_its_place = 0.02;      ///< a robot this near to its place is not stuck [m]
 
  private:
+  static constexpr double none = std::numeric_limits<double>::quiet_NaN();
   static constexpr double never = std::numeric_limits<double>::infinity();
   static constexpr double fell_behind = 0.05;  // so much farther than ever: its record counts from here [m]
 
-  /// How one distance develops. NaN is no progress.
-  struct Approach {
-    double farthest = 0.0;  // since it was last nearer by as much as counts
-    double record = never, worst = 0.0;
+  /// The nearest that a robot has been. NaN is no progress.
+  struct Record {
+    double nearest = never, worst = 0.0;
 
-    bool nears(double distance, double enough) noexcept {
-      farthest = std::fmax(farthest, distance);
-      if (!(distance < farthest - enough)) return false;
-      farthest = distance;
-      return true;
-    }
     bool beats(double distance) noexcept {
-      if (!(distance < record - progress)) return false;
-      record = distance;
+      if (!(distance < nearest - progress)) return false;
+      nearest = distance;
       worst = std::fmax(worst, distance);
       return true;
     }
     bool falls_behind(double distance) noexcept {
       if (!(distance > worst + fell_behind)) return false;
-      record = worst = distance;
+      nearest = worst = distance;
       return true;
     }
   };
-  struct Robot {
-    Approach place, end, route;
-    Pose at{never, 0.0, 0.0};             // when it last made progress along a route
-    double waited = 0.0, unbeaten = 0.0;  // [s]
-    bool told = false;
+  /// A part of the last `patience`.
+  struct Moment {
+    double place = none, end = none;  // the farthest in it [m]
+    double ran = none;                // at its beginning, see Robot
+    Pose on_route{none, none, none};  // at its beginning, see Robot
   };
-  static bool has_moved(const Robot& robot, const Pose& to) noexcept {
-    return !(distance(robot.at, to) < progress && std::abs(wrap_angle(to.theta - robot.at.theta)) < turn);
+  struct Robot {
+    static constexpr std::size_t moments = 30;
+    std::array<Moment, moments> past{};  // from past[newest + 1], the oldest, to past[newest]
+    std::size_t newest = 0;
+    double in_newest = 0.0;        // [s]
+    double ran = 0.0;              // how long its planned routes have run, all of them together [s]
+    double along_a_route = none;   // at the last tick [s]
+    Pose at{none, none, none};     // at the last tick
+    Pose on_route{0.0, 0.0, 0.0};  // the sum of its motions along routes; motion without a route does not count
+    Record place, end;
+    double watched = 0.0, unbeaten = 0.0;  // [s]
+    bool told = false;
+
+    void follow_route(const Away& away, double dt) noexcept {
+      // NaN where there is no route, or was none at the last tick. A shorter route that is new has not run.
+      const double less = along_a_route - away.along_a_route;
+      if (!std::isnan(less) && !std::isnan(at.x)) {
+        ran += std::clamp(less, 0.0, dt);
+        on_route.x += away.at.x - at.x;
+        on_route.y += away.at.y - at.y;
+        on_route.theta += wrap_angle(away.at.theta - at.theta);
+      }
+      along_a_route = away.along_a_route;
+      at = away.at;
+    }
+    void remember(const Away& away, double dt) noexcept {
+      constexpr double length = patience / moments;
+      if (std::isnan(past[newest].ran)) past[newest] = {none, none, ran, on_route};
+      for (in_newest = std::min(in_newest + dt, patience); in_newest >= length; in_newest -= length) {
+        newest = (newest + 1) % moments;
+        past[newest] = {none, none, ran, on_route};
+      }
+      past[newest].place = std::fmax(past[newest].place, away.from_place);
+      past[newest].end = std::fmax(past[newest].end, away.from_end);
+    }
+    /// Whether it holds at one of the moments, oldest first.
+    template <typename Holds>
+    bool lately(Holds&& holds) const noexcept {
+      for (std::size_t k = 1; k <= moments; ++k)
+        if (holds(past[(newest + k) % moments])) return true;
+      return false;
+    }
+  };
+  static bool far(const Pose& from, const Pose& to) noexcept {
+    return distance(from, to) >= progress || std::abs(to.theta - from.theta) >= turn;
   }
   std::vector<Robot> robots_;
 };

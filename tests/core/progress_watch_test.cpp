@@ -65,12 +65,31 @@ TEST(ProgressWatch, MotionBeforeARouteIsNoProgressAlongIt) {
   EXPECT_LE((said_at - stands_from) * dt, ProgressWatch::patience);
 }
 
-TEST(ProgressWatch, ARobotThatItsRouteHasWaitIsNotStuck) {
-  for (const bool waits : {false, true}) {
+TEST(ProgressWatch, ARobotThatItsRouteHasWaitIsNotStuckUnlessItStandsBesideTheRoute) {
+  for (const double from_wait : {0.0, 0.015, 0.1, none}) {
     ProgressWatch watch(1);
     int said = 0;
-    for (int k = 0; k < 250; ++k) said += watch.stuck(0, {0.1 + 0.002 * k, none, 20.0 - dt * k, {}, waits}, dt);
-    EXPECT_EQ(said, waits ? 0 : 1);
+    for (int k = 0; k < 250; ++k) said += watch.stuck(0, {0.1 + 0.002 * k, none, 20.0 - dt * k, {}, from_wait}, dt);
+    EXPECT_EQ(said, from_wait < ProgressWatch::at_its_place ? 0 : 1) << from_wait;
+  }
+}
+
+/// A centimetre that is driven at once and completed by a creep seconds later restarted the time.
+TEST(ProgressWatch, ACreepDoesNotCompleteWhatWasDrivenLongBefore) {
+  for (const bool on_route : {false, true}) {
+    constexpr int stands_from = 51, creeps_at = 120;
+    ProgressWatch watch(1);
+    int said_at = 0;
+    for (int k = 0; k < 250 && said_at == 0; ++k) {
+      const double driven = 0.0099 * std::min(k, stands_from) + (k < creeps_at ? 0.0 : 0.0009);
+      if (watch.stuck(0,
+                      on_route ? ProgressWatch::Away{0.1 + 0.002 * k, none, 20.0 - dt * k, {driven, 0.0, 0.0}}
+                               : ProgressWatch::Away{1.0 - driven, none, none, {driven, 0.0, 0.0}},
+                      dt))
+        said_at = k;
+    }
+    EXPECT_GT(said_at, stands_from) << on_route;
+    EXPECT_LE((said_at - stands_from) * dt, ProgressWatch::patience + dt) << on_route;
   }
 }
 
