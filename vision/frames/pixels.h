@@ -21,6 +21,17 @@ inline bool grey_from_grey(std::span<const std::uint8_t> bytes, std::size_t stri
   return true;
 }
 
+/// The same for a plane of grey levels before planes of colours, which together have half as many bytes for each of
+/// `halves`. false also where only bytes of the colours are missing: what was lost may have stood anywhere, and all
+/// that comes after it has moved.
+template <int halves>
+bool grey_from_plane(std::span<const std::uint8_t> bytes, std::size_t stride, Frame& frame) {
+  const auto width = static_cast<std::size_t>(frame.width), height = static_cast<std::size_t>(frame.height);
+  stride = std::max(stride, width);
+  const std::size_t whole = stride * height + stride * height * halves / 2;
+  return bytes.size() + (stride - width) >= whole && grey_from_grey(bytes, stride, frame);
+}
+
 namespace detail {
 
 /// Every other byte of a row, from `first` on.

@@ -15,13 +15,13 @@ namespace {
 // From free to costly (a JPEG of 1280x960 takes 3 ms). Those of one kind are the same to us: colours are not looked at.
 constexpr std::array formats{
     PixelFormat{V4L2_PIX_FMT_GREY, grey_from_grey},
-    PixelFormat{V4L2_PIX_FMT_NV12, grey_from_grey},  // the plane of the grey levels comes first in these seven
-    PixelFormat{V4L2_PIX_FMT_NV21, grey_from_grey},
-    PixelFormat{V4L2_PIX_FMT_YUV420, grey_from_grey},
-    PixelFormat{V4L2_PIX_FMT_YVU420, grey_from_grey},
-    PixelFormat{V4L2_PIX_FMT_NV16, grey_from_grey},
-    PixelFormat{V4L2_PIX_FMT_NV61, grey_from_grey},
-    PixelFormat{V4L2_PIX_FMT_YUV422P, grey_from_grey},
+    PixelFormat{V4L2_PIX_FMT_NV12, grey_from_plane<1>},
+    PixelFormat{V4L2_PIX_FMT_NV21, grey_from_plane<1>},
+    PixelFormat{V4L2_PIX_FMT_YUV420, grey_from_plane<1>},
+    PixelFormat{V4L2_PIX_FMT_YVU420, grey_from_plane<1>},
+    PixelFormat{V4L2_PIX_FMT_NV16, grey_from_plane<2>},
+    PixelFormat{V4L2_PIX_FMT_NV61, grey_from_plane<2>},
+    PixelFormat{V4L2_PIX_FMT_YUV422P, grey_from_plane<2>},
     PixelFormat{V4L2_PIX_FMT_YUYV, grey_from_yuyv},
     PixelFormat{V4L2_PIX_FMT_YVYU, grey_from_yuyv},
     PixelFormat{V4L2_PIX_FMT_UYVY, grey_from_uyvy},

@@ -50,7 +50,7 @@ class FakeCamera final : public V4l2Kernel {
     std::uint8_t grey = 0;
     double at = 0.0;
     std::uint32_t flags = 0;
-    bool cut_short = false;
+    std::size_t lost = 0;               // bytes that the bus lost
     std::vector<std::uint8_t> coded{};  // a JPEG, in place of the grey
   };
   std::deque<std::vector<Shot>> coming;
@@ -145,7 +145,7 @@ class FakeCamera final : public V4l2Kernel {
         return busy ? fail(EBUSY) : 0;
       case VIDIOC_QUERYBUF: {
         auto* buffer = static_cast<v4l2_buffer*>(argument);
-        buffer->length = stride() * height;
+        buffer->length = stride() * height + stride() * height * halves_of_colours() / 2;
         buffer->m.offset = buffer->index;
         return 0;
       }
@@ -237,6 +237,11 @@ class FakeCamera final : public V4l2Kernel {
     const bool two = std::find(of_two_bytes.begin(), of_two_bytes.end(), pixelformat) != of_two_bytes.end();
     return (two ? 2 : 1) * width + padding;
   }
+  /// Planes of colours after that of the grey, in halves of it.
+  std::uint32_t halves_of_colours() const {
+    if (pixelformat == V4L2_PIX_FMT_NV12 || pixelformat == V4L2_PIX_FMT_YUV420) return 1;
+    return pixelformat == V4L2_PIX_FMT_NV16 || pixelformat == V4L2_PIX_FMT_YUV422P ? 2 : 0;
+  }
   void describe(v4l2_format& format) const {
     format.fmt.pix.width = width;
     format.fmt.pix.height = height;
@@ -254,7 +259,7 @@ class FakeCamera final : public V4l2Kernel {
     std::fill(bytes.begin(), bytes.end(), shot.grey);
     std::copy(shot.coded.begin(), shot.coded.end(), bytes.begin());
     const std::size_t size = shot.coded.empty() ? bytes.size() : shot.coded.size();
-    buffer.bytesused = static_cast<std::uint32_t>(shot.cut_short ? size / 2 : size);
+    buffer.bytesused = static_cast<std::uint32_t>(size - std::min(size, shot.lost));
     buffer.flags = timestamp | shot.flags;
     buffer.timestamp.tv_sec = static_cast<time_t>(shot.at);
     buffer.timestamp.tv_usec = std::lround(1e6 * (shot.at - static_cast<double>(buffer.timestamp.tv_sec)));

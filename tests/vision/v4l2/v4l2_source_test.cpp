@@ -52,7 +52,9 @@ TEST(V4l2, TakesGreyOutOfColours) {
 TEST(V4l2, TakesGreyOutOfFormatsThatAreSeldom) {
   // Every byte is 1, so that two of them are 257: of 10 bits the upper eight are 64, of 12 bits 16.
   for (const auto& [format, grey] :
-       std::initializer_list<std::pair<std::uint32_t, std::uint8_t>>{{V4L2_PIX_FMT_NV16, 1},
+       std::initializer_list<std::pair<std::uint32_t, std::uint8_t>>{{V4L2_PIX_FMT_NV12, 1},
+                                                                     {V4L2_PIX_FMT_YUV420, 1},
+                                                                     {V4L2_PIX_FMT_NV16, 1},
                                                                      {V4L2_PIX_FMT_YUV422P, 1},
                                                                      {V4L2_PIX_FMT_YVYU, 1},
                                                                      {V4L2_PIX_FMT_VYUY, 1},
@@ -67,6 +69,25 @@ TEST(V4l2, TakesGreyOutOfFormatsThatAreSeldom) {
     Frame frame;
     ASSERT_TRUE((*camera)->read(frame).value());
     EXPECT_EQ(frame.grey, std::vector<std::uint8_t>(320 * 240, grey)) << detail::four_letters(format);
+  }
+}
+
+/// What was lost may have stood in the picture: then the rest of it has moved, however many bytes there are.
+TEST(V4l2, LeavesOutAFrameThatLacksBytesAlsoWhereItsGreyWouldBeLongEnough) {
+  for (const std::uint32_t format :
+       {V4L2_PIX_FMT_GREY, V4L2_PIX_FMT_NV12, V4L2_PIX_FMT_YUV420, V4L2_PIX_FMT_NV16, V4L2_PIX_FMT_YUV422P}) {
+    FakeCamera fake;
+    fake.formats = {format};
+    fake.padding = 32;
+    fake.coming = {{{1, 1.0}}, {{2, 2.0, 0, 400}}, {{3, 3.0, 0, 32}}};
+    auto camera = open_v4l2("/dev/fake", {.width = 320, .height = 240}, fake);
+    ASSERT_TRUE(camera) << camera.error();
+    Frame frame;
+    for (const int grey : {1, 3}) {
+      ASSERT_TRUE((*camera)->read(frame).value());
+      EXPECT_EQ(frame.row(239)[319], grey) << detail::four_letters(format) << ": a last row may end without padding";
+    }
+    EXPECT_EQ((*camera)->status().damaged, 1) << detail::four_letters(format);
   }
 }
 
@@ -242,7 +263,7 @@ TEST(V4l2, DoesNotBelieveThatUvcvideoStampsTheExposure) {
 
 TEST(V4l2, PassesDamagedFramesOver) {
   FakeCamera fake;
-  fake.coming = {{{1, 1.0, V4L2_BUF_FLAG_ERROR}}, {{2, 1.1, 0, true}}, {{3, 1.2}}};
+  fake.coming = {{{1, 1.0, V4L2_BUF_FLAG_ERROR}}, {{2, 1.1, 0, 1000}}, {{3, 1.2}}};
   auto camera = open_v4l2("/dev/fake", {}, fake);
   ASSERT_TRUE(camera) << camera.error();
   Frame frame;
