@@ -55,6 +55,7 @@ void compare_poses(const TickRecord& row, std::span<const core::Measurement> rec
     const core::Measurement &a = recorded[i], &b = again[i];
     ++result.poses;
     if (std::isnan(a.captured_at)) continue;  // not seen yet
+    ++result.poses_exact;
     const Value values[] = {{"x_meas", a.pose.x, b.pose.x},
                             {"y_meas", a.pose.y, b.pose.y},
                             {"theta_meas", a.pose.theta, b.pose.theta},

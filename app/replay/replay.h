@@ -24,6 +24,7 @@ struct ReplayResult {
   std::int64_t missing_frames = 0;     ///< dropped by its recorder
   std::int64_t poses = 0;              ///< compared: one per robot and tick
   std::int64_t poses_different = 0;    ///< that did not come out bit for bit
+  std::int64_t poses_exact = 0;        ///< of poses: seen, and compared bit for bit
   bool lossless = true;                ///< the film
   std::int64_t poses_approximate = 0;  ///< of poses: not from a lossless film, or after a frame that it lacks
   std::int64_t poses_missing = 0;      ///< of poses_approximate: the film does not yield them for the same frame
@@ -37,6 +38,13 @@ struct ReplayResult {
   std::string first_answer;            ///< the first of them, and its place
   std::string first;                   ///< the first difference, and its place; empty: there is none
   std::vector<std::string> warnings;
+
+  /// Whether its film can only be that of another run: it yields none of the poses, or others.
+  bool other_film() const noexcept {
+    constexpr double other_poses = 0.01;  // more than losses and missing frames do [m]
+    const bool yields_none = poses_exact == 0 && poses_missing == poses_approximate;
+    return poses_approximate > 0 && (yields_none || pose_error_rms > other_poses);
+  }
 };
 
 /// Feeds the measurements, times and operator's commands of a run's CSV to a new tick and compares every command (v,

