@@ -1,29 +1,14 @@
 #pragma once
 
-#include <sys/types.h>
 #include <systemd/sd-bus.h>
 
 #include <atomic>
 #include <string>
-#include <thread>
 #include <vector>
 
+#include "tests/comms/fake_service.h"
+
 namespace skein::test {
-
-/// A message bus of its own, from the dbus-daemon program, that stands for the system's as long as this lives.
-class PrivateBus {
- public:
-  PrivateBus();  ///< see running()
-  ~PrivateBus();
-  PrivateBus(const PrivateBus&) = delete;
-  PrivateBus& operator=(const PrivateBus&) = delete;
-  bool running() const noexcept { return !address_.empty(); }  ///< false: there is no dbus-daemon on this machine
-  const std::string& address() const noexcept { return address_; }
-
- private:
-  pid_t daemon_ = -1;
-  std::string address_;
-};
 
 struct FakeAdapter {
   std::string name = "hci0", address = "00:1A:7D:DA:71:13";
@@ -40,12 +25,10 @@ struct FakeDevice {
 
 /// org.bluez on a bus, as far as Skein speaks with it: adapters, discovery, devices, agents, pairing. On a thread of
 /// its own; adapters and devices are looked at when it ends.
-class FakeBluez {
+class FakeBluez : public FakeService {
  public:
   FakeBluez(const PrivateBus& bus, std::vector<FakeAdapter> adapters, std::vector<FakeDevice> devices);
   ~FakeBluez();
-  FakeBluez(const FakeBluez&) = delete;
-  FakeBluez& operator=(const FakeBluez&) = delete;
 
   int discoveries() const noexcept { return discoveries_.load(); }  ///< going on now
   int agents() const noexcept { return agents_.load(); }            ///< registered now
@@ -64,9 +47,6 @@ class FakeBluez {
   std::string agent_path_;
   sd_bus_message* pairing_ = nullptr;  // the call that waits for its agent
   FakeDevice* paired_with_ = nullptr;
-  sd_bus* bus_ = nullptr;
-  std::atomic<bool> ending_{false};
-  std::thread thread_;
 };
 
 }  // namespace skein::test

@@ -21,25 +21,14 @@ bool let_go(int lock) {
 }  // namespace
 
 FakeLogind::FakeLogind(const PrivateBus& bus, std::string refusal, std::string what)
-    : refusal_(std::move(refusal)), refused_(std::move(what)) {
-  sd_bus_new(&bus_);
-  sd_bus_set_address(bus_, bus.address().c_str());
-  sd_bus_set_bus_client(bus_, 1);
-  sd_bus_negotiate_fds(bus_, 1);
-  sd_bus_start(bus_);
+    : FakeService(bus), refusal_(std::move(refusal)), refused_(std::move(what)) {
   sd_bus_add_object(bus_, nullptr, "/org/freedesktop/login1", on_message, this);
-  sd_bus_request_name(bus_, "org.freedesktop.login1", 0);
-  thread_ = std::thread([this] {
-    while (!ending_)
-      if (sd_bus_process(bus_, nullptr) == 0) sd_bus_wait(bus_, 10'000);
-  });
+  serve("org.freedesktop.login1");
 }
 
 FakeLogind::~FakeLogind() {
-  ending_ = true;
-  thread_.join();
+  end();
   for (const int lock : locks_) ::close(lock);
-  sd_bus_flush_close_unref(bus_);
 }
 
 int FakeLogind::on_message(sd_bus_message* m, void* self, sd_bus_error* error) {

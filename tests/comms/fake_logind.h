@@ -2,25 +2,21 @@
 
 #include <systemd/sd-bus.h>
 
-#include <atomic>
 #include <mutex>
 #include <string>
-#include <thread>
 #include <vector>
 
-#include "tests/comms/fake_bluez.h"
+#include "tests/comms/fake_service.h"
 
 namespace skein::test {
 
 /// org.freedesktop.login1 on a bus, as far as Skein speaks with it: inhibitors, each a descriptor that whoever asked
 /// keeps open. On a thread of its own.
-class FakeLogind {
+class FakeLogind : public FakeService {
  public:
   /// `refusal`: what it says to whoever asks for `what`, empty: for anything; empty: it grants.
   explicit FakeLogind(const PrivateBus& bus, std::string refusal = {}, std::string what = {});
   ~FakeLogind();
-  FakeLogind(const FakeLogind&) = delete;
-  FakeLogind& operator=(const FakeLogind&) = delete;
 
   int inhibitors() const;                   ///< held now
   int asked() const;                        ///< times that somebody asked
@@ -35,9 +31,6 @@ class FakeLogind {
   std::vector<std::string> newest_;  // guarded by mutex_
   std::vector<int> locks_;           // guarded by mutex_; reading ends: at their end once they are let go
   int asked_ = 0;                    // guarded by mutex_
-  sd_bus* bus_ = nullptr;
-  std::atomic<bool> ending_{false};
-  std::thread thread_;
 };
 
 }  // namespace skein::test

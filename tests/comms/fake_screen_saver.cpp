@@ -4,25 +4,15 @@
 
 namespace skein::test {
 
-FakeScreenSaver::FakeScreenSaver(const PrivateBus& bus) {
-  sd_bus_new(&bus_);
-  sd_bus_set_address(bus_, bus.address().c_str());
-  sd_bus_set_bus_client(bus_, 1);
-  sd_bus_start(bus_);
+FakeScreenSaver::FakeScreenSaver(const PrivateBus& bus) : FakeService(bus) {
   sd_bus_add_object(bus_, nullptr, "/org/freedesktop/ScreenSaver", on_message, this);
   sd_bus_match_signal(bus_, nullptr, "org.freedesktop.DBus", "/org/freedesktop/DBus", "org.freedesktop.DBus",
                       "NameOwnerChanged", on_name, this);
-  sd_bus_request_name(bus_, "org.freedesktop.ScreenSaver", 0);
-  thread_ = std::thread([this] {
-    while (!ending_)
-      if (sd_bus_process(bus_, nullptr) == 0) sd_bus_wait(bus_, 10'000);
-  });
+  serve("org.freedesktop.ScreenSaver");
 }
 
 FakeScreenSaver::~FakeScreenSaver() {
-  ending_ = true;
-  thread_.join();
-  sd_bus_flush_close_unref(bus_);
+  end();
 }
 
 int FakeScreenSaver::on_message(sd_bus_message* m, void* self, sd_bus_error* /*error*/) {

@@ -2,25 +2,21 @@
 
 #include <systemd/sd-bus.h>
 
-#include <atomic>
 #include <mutex>
 #include <set>
 #include <string>
-#include <thread>
 #include <vector>
 
-#include "tests/comms/fake_bluez.h"
+#include "tests/comms/fake_service.h"
 
 namespace skein::test {
 
 /// org.freedesktop.ScreenSaver on a bus, as desktops have it: an inhibitor ends with the connection of whoever asked.
 /// On a thread of its own.
-class FakeScreenSaver {
+class FakeScreenSaver : public FakeService {
  public:
   explicit FakeScreenSaver(const PrivateBus& bus);
   ~FakeScreenSaver();
-  FakeScreenSaver(const FakeScreenSaver&) = delete;
-  FakeScreenSaver& operator=(const FakeScreenSaver&) = delete;
 
   int inhibitors() const;                   ///< held now
   std::vector<std::string> newest() const;  ///< who and why
@@ -32,9 +28,6 @@ class FakeScreenSaver {
   mutable std::mutex mutex_;
   std::vector<std::string> newest_;  // guarded by mutex_
   std::set<std::string> holders_;    // guarded by mutex_; names on the bus
-  sd_bus* bus_ = nullptr;
-  std::atomic<bool> ending_{false};
-  std::thread thread_;
 };
 
 }  // namespace skein::test

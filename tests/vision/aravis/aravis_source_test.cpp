@@ -161,7 +161,8 @@ TEST(Aravis, StampsAreTheMiddleOfTheExposureWhereTheClockCanBeRead) {
   const Timing timing = measure(**camera, exposure, 40, 5);
   EXPECT_NEAR(timing.late, 0.0, 0.005) << "half an exposure and 2 ms earlier than the arrival";
   EXPECT_EQ((*camera)->stamps(), TimeStamps::exposure_start);
-  EXPECT_TRUE((*camera)->status().notices.empty());
+  for (const std::string& notice : (*camera)->status().notices)  // a busy machine may lose packets, and that is told
+    EXPECT_EQ(notice.find("clock"), std::string::npos) << notice;
 }
 
 TEST(Aravis, AClockThatCannotBeReadIsReported) {
