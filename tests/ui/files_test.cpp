@@ -1,4 +1,6 @@
 // Experiments and recordings as files: opened, dropped onto the window, remembered, and refused with a reason.
+#include <fmt/format.h>
+
 #include <QDragEnterEvent>
 #include <QLabel>
 #include <QMenu>
@@ -87,7 +89,7 @@ std::string large_experiment() {
     text += "[[robot]]\ntag = " + std::to_string(i) +
             "\ntrajectory = { path = { shape = 'ellipse', width = 1.3, height = 0.9, centre = [" +
             std::to_string(2 * column - 7) + ", " + std::to_string(2 * row - 7) +
-            "] }, speed = " + std::to_string(0.03 + 0.0002 * i) + " }\n";
+            "] }, speed = " + fmt::format("{}", 0.03 + 0.0002 * i) + " }\n";
   }
   return text;
 }

@@ -120,12 +120,10 @@ TEST_F(Keep, ARunWithACameraHasItsFilmIfThatIsWanted) {
     }
   }
 
-  // That of another run of the same experiment, which lacks its first frame: nothing of it is compared bit for bit.
-  window.new_run();
-  ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() != nullptr; }));
-  window.go();
-  ASSERT_TRUE(eventually([&] { return kept.size() == 2; }));
-  skein::test::copy_film(kept[1][0].toString().toStdString() + "/film.mkv", film, {0});
+  // A film of the same experiment from another time, which lacks its first frame: nothing of it is compared bit for
+  // bit.
+  skein::test::copy_film(film, film + ".copy", {0}, 1000.0);
+  std::filesystem::rename(film + ".copy", film);
   const auto other = app::verify_run(folder.toStdString());
   ASSERT_TRUE(other) << other.error();
   for (const auto& step : other->steps) {

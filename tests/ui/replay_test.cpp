@@ -1,4 +1,6 @@
 // A recorded run through the same widgets, and a second run to compare with.
+#include <fmt/format.h>
+
 #include <QAbstractItemView>
 #include <QAction>
 #include <QApplication>
@@ -29,7 +31,7 @@ class Replay : public Operator {
   /// The paper's experiment, recorded on the virtual clock.
   QString recorded(double k_xx = 0.008) {
     app::Experiment experiment = *app::parse_experiment(app::paper_experiment().source, "platoon.toml",
-                                                        {"controller.gains.k_xx=" + std::to_string(k_xx)});
+                                                        {"controller.gains.k_xx=" + fmt::format("{}", k_xx)});
     const QString file = dir.filePath(QStringLiteral("run-%1.csv").arg(k_xx));
     app::CsvFile csv(file.toStdString(), experiment);
     auto session = app::Session::open(experiment, app::Session::Clock::virtual_, {false, {&csv}});
@@ -238,7 +240,7 @@ TEST_F(Replay, ComparesWithAnyNumberOfRunsWithoutColourAndAlignedAtAKick) {
   const auto kicked_at = [this](const char* name, double t) {
     const app::Experiment experiment = *app::parse_experiment(
         app::paper_experiment().source, "platoon.toml",
-        {"duration=9", "perturb=[{ t = " + std::to_string(t) + ", robot = 2, dx = 0.1, dy = 0.0 }]"});
+        {"duration=9", "perturb=[{ t = " + fmt::format("{}", t) + ", robot = 2, dx = 0.1, dy = 0.0 }]"});
     const QString file = dir.filePath(QLatin1String(name));
     app::CsvFile csv(file.toStdString(), experiment);
     (*app::Session::open(experiment, app::Session::Clock::virtual_, {false, {&csv}}))->run();
@@ -286,7 +288,7 @@ TEST_F(Replay, ComparesWithAnyNumberOfRunsWithoutColourAndAlignedAtAKick) {
 TEST_F(Replay, AlignsAKickWithThatAtTheSameTimeAlthoughAHandWasThereBefore) {
   const auto kicked = [this](const char* name, const std::vector<double>& times) {
     std::string kicks;
-    for (const double t : times) kicks += "{ t = " + std::to_string(t) + ", robot = 2, dx = 0.1, dy = 0.0 },";
+    for (const double t : times) kicks += "{ t = " + fmt::format("{}", t) + ", robot = 2, dx = 0.1, dy = 0.0 },";
     const app::Experiment experiment = *app::parse_experiment(app::paper_experiment().source, "platoon.toml",
                                                               {"duration=9", "perturb=[" + kicks + "]"});
     const QString file = dir.filePath(QLatin1String(name));
