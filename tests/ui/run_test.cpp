@@ -234,8 +234,11 @@ TEST_F(Run, StopsRobotsWithLinksWhenTheDisplayStalls) {
   EXPECT_TRUE(eventually([&] { return stopped(); })) << "nobody could have stopped them";
   mend.join();
   EXPECT_TRUE(eventually([&] { return logged().contains(QStringLiteral("The window stalled")); }));
-  EXPECT_TRUE(eventually(
-      [&] { return live().failure().value_or(QString()).contains(QStringLiteral("the window has not responded")); }));
+  EXPECT_TRUE(eventually([&] {
+    return live().failure().value_or(QString()).contains(QStringLiteral("the window has not responded"));
+  })) << "but: "
+      << live().failure().value_or(QString()).toStdString() << "\n"
+      << logged().toStdString();
 }
 
 }  // namespace
