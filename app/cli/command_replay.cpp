@@ -54,8 +54,10 @@ int replay(const std::string& csv, const std::string& film, bool repaired, bool 
     if (result->answers_different > 0)
       complain(fmt::format("{}: the controller's answers differ now; first at {}", csv, result->first_answer));
   }
-  if (result->other_film()) complain(fmt::format("{}: {} is the film of another run", csv, film));
-  if (!result->other_film() && result->answers_different == 0 && result->different == 0 && result->poses_different == 0)
+  const bool other_film = result->other_film();
+  if (other_film)
+    complain(fmt::format("{}: {} shows none of the run's poses, or others: it is the film of another run", csv, film));
+  if (!other_film && result->answers_different == 0 && result->different == 0 && result->poses_different == 0)
     return done;
   if (!result->first.empty()) complain(fmt::format("{}: the replay differs; first at {}", csv, result->first));
   return expectation_failed;

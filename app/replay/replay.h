@@ -39,7 +39,7 @@ struct ReplayResult {
   std::string first;                   ///< the first difference, and its place; empty: there is none
   std::vector<std::string> warnings;
 
-  /// Whether its film can only be that of another run: it yields none of the poses, or others.
+  /// Whether its film shows none of the run's poses, or others, as that of another run does.
   bool other_film() const noexcept {
     constexpr double other_poses = 0.01;  // more than losses and missing frames do [m]
     const bool yields_none = poses_exact == 0 && poses_missing == poses_approximate;

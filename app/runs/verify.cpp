@@ -101,7 +101,9 @@ Step check_commands(const std::string& folder, const std::string& csv, std::vect
             fmt::format("{} of {} commands and {} of {} poses differ, first at {}", result->different, result->commands,
                         result->poses_different, result->poses, result->first)};
   if (result->other_film())
-    return {"commands", false, fmt::format("the film is that of another run{}", from_film(*result))};
+    return {"commands", false,
+            fmt::format("the film shows none of the run's poses, or others: it is that of another run{}",
+                        from_film(*result))};
   return {"commands", true,
           fmt::format("{} commands of {} ticks are the same, bit for bit{}", result->commands, result->ticks,
                       from_film(*result))};

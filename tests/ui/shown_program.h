@@ -47,12 +47,12 @@ class ShownProgram : public ::testing::Test {
   void start(const QStringList& words, Variables variables) {
     launch(words, variables);
     const QDir markers(directory.filePath(QStringLiteral("state/skein")));
-    const QDeadlineTimer deadline(patience_ms);
-    do {
-      skein.waitForFinished(words.isEmpty() ? 1500 : 100);
-    } while (!words.isEmpty() && skein.state() == QProcess::Running && markers.isEmpty() && !deadline.hasExpired());
+    const auto drives = [&] { return words.isEmpty() || !markers.isEmpty(); };
+    if (words.isEmpty()) skein.waitForFinished(1500);
+    for (const QDeadlineTimer deadline(patience_ms); !drives() && !deadline.hasExpired();)
+      if (skein.waitForFinished(100)) break;
     ASSERT_EQ(skein.state(), QProcess::Running) << skein.readAllStandardError().toStdString();
-    ASSERT_TRUE(words.isEmpty() || !markers.isEmpty()) << "no run began";
+    ASSERT_TRUE(drives()) << "no run began";
   }
   /// The display is gone while links to robots are open.
   void expect_stopped_robots() {

@@ -161,8 +161,8 @@ TEST(Aravis, StampsAreTheMiddleOfTheExposureWhereTheClockCanBeRead) {
   const Timing timing = measure(**camera, exposure, 40, 5);
   EXPECT_NEAR(timing.late, 0.0, 0.005) << "half an exposure and 2 ms earlier than the arrival";
   EXPECT_EQ((*camera)->stamps(), TimeStamps::exposure_start);
-  for (const std::string& notice : (*camera)->status().notices)  // a busy machine may lose packets, and that is told
-    EXPECT_EQ(notice.find("clock"), std::string::npos) << notice;
+  const auto status = (*camera)->status();  // a busy machine may lose packets, which is the only thing told then
+  EXPECT_EQ(status.notices.size(), status.damaged > 0 ? 1U : 0U) << (status.notices.empty() ? "" : status.notices[0]);
 }
 
 TEST(Aravis, AClockThatCannotBeReadIsReported) {
