@@ -103,6 +103,7 @@ void for_columns(Outcome& o, Use&& use) {
   use("final_error", o.final_error);
   use("recovery", o.recovery);
   use("straight", o.straight);
+  use("shortest", o.shortest);
   use("formation_first", o.formation_first);
   use("relative_first", o.relative_first);
   use("outside", o.outside);

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "app/experiment/experiment_file.h"
+#include "app/experiment/ways.h"
 #include "app/record/schedule.h"
 #include "app/record/statistics.h"
 #include "app/session/session.h"
@@ -33,16 +34,18 @@ class Distance final : public RecordSink {
     double error = 0.0;
     farthest_way_ = 0.0;
     at_rest_ = true;
+    places_.resize(record.robots.size());
     for (std::size_t i = 0; i < record.robots.size(); ++i) {
       const RobotRecord& robot = record.robots[i];
       const core::Pose& here = std::isnan(robot.truth.x) ? robot.pose : robot.truth;
       const std::optional<RobotSpec::Truth>& truth = experiment_.robots[i].truth;
       at_rest_ = at_rest_ && robot.nominal.twist.v == 0.0;
       if (starts_.size() == i) starts_.push_back(here);
+      places_[i].reset();
       if (truth && truth->runaway) continue;  // it is not expected at any place
-      farthest_way_ = std::fmax(farthest_way_, core::distance(starts_[i], schedule_.place(record, i)) /
-                                                   experiment_.robots[i].v_max.value_or(experiment_.controller.v_max));
-      error = std::fmax(error, core::distance(schedule_.place(record, i), here));
+      places_[i] = schedule_.place(record, i);
+      farthest_way_ = std::fmax(farthest_way_, core::distance(starts_[i], *places_[i]) / v_max(i));
+      error = std::fmax(error, core::distance(*places_[i], here));
     }
     count_absent(record);
     for (const Event& event : record.events)
@@ -68,6 +71,18 @@ class Distance final : public RecordSink {
   bool at_rest() const noexcept { return at_rest_; }  ///< all references, at the end
   /// From where every robot began straight to its last place, at v_max: the longest of these [s].
   double straight() const noexcept { return farthest_way_; }
+  /// The same along the shortest paths round the obstacles; empty: for one of them there is none [s].
+  std::optional<double> shortest() const {
+    ShortestPaths paths(experiment_);
+    double longest = 0.0;
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      if (!places_[i]) continue;
+      const std::optional<double> length = paths.length(i, starts_[i], *places_[i]);
+      if (!length) return {};
+      longest = std::max(longest, *length / v_max(i));
+    }
+    return longest;
+  }
   double perturbation() const noexcept { return farthest_; }
   std::int64_t absent() const noexcept { return absent_; }
   std::int64_t places_taken() const noexcept { return places_taken_; }
@@ -91,6 +106,9 @@ class Distance final : public RecordSink {
   struct Row {
     double t, error;
   };
+  double v_max(std::size_t i) const noexcept {
+    return experiment_.robots[i].v_max.value_or(experiment_.controller.v_max);
+  }
   /// Who is not at its place now, and who of these cannot be: a runaway is there.
   void count_absent(const TickRecord& record) {
     absent_ = places_taken_ = 0;
@@ -152,7 +170,8 @@ class Distance final : public RecordSink {
   };
   double near_enough_;
   std::vector<core::Pose> starts_;
-  double farthest_way_ = 0.0;  // [s]
+  std::vector<std::optional<core::Pose>> places_;  // in the latest tick; empty: of a runaway
+  double farthest_way_ = 0.0;                      // [s]
   bool at_rest_ = false;
   std::vector<Row> rows_;
   std::vector<Driven> in_motion_;
@@ -220,6 +239,10 @@ Json json(const SweepSummary& s) {
     result.update({{"over_straight_p50", json(s.over_straight_p50)},
                    {"over_straight_p99", json(s.over_straight_p99)},
                    {"over_straight_max", json(s.over_straight_max)}});
+  if (!std::isnan(s.over_shortest_max))
+    result.update({{"over_shortest_p50", json(s.over_shortest_p50)},
+                   {"over_shortest_p99", json(s.over_shortest_p99)},
+                   {"over_shortest_max", json(s.over_shortest_max)}});
   for (const SweepSummary& control : s.control)
     result.update({{"control_failed_runs", control.failed_runs},
                    {"control_collisions", control.collisions},
@@ -280,7 +303,10 @@ RunOutcome run_one(const Study& study, std::uint64_t seed, bool control) {
   outcome.obstacle_gap = summary.obstacle_gap;
   outcome.final_error = distance.final_error();
   outcome.recovery = distance.recovery();
-  if (outcome.perturbation == 0.0 && distance.at_rest()) outcome.straight = distance.straight();
+  if (outcome.perturbation == 0.0 && distance.at_rest()) {
+    outcome.straight = distance.straight();
+    outcome.shortest = distance.shortest();
+  }
   outcome.outside = summary.outside;
   outcome.absent = distance.absent();
   outcome.places_taken = distance.places_taken();
@@ -377,7 +403,7 @@ SweepSummary summarise(const Study& study, const std::vector<RunOutcome>& outcom
   s.experiment = study.experiment;
   s.runs = static_cast<std::int64_t>(outcomes.size());
   s.min_distance = s.obstacle_gap = none;
-  std::vector<double> recoveries, over_straight, errors, wholes, wholes_after, lags;
+  std::vector<double> recoveries, over_straight, over_shortest, errors, wholes, wholes_after, lags;
   for (const RunOutcome& o : outcomes) {
     if (!o.failure.empty() || o.collided() || !o.recovery) s.bad_seeds.push_back(o.seed);
     if (!o.failure.empty()) {
@@ -392,6 +418,7 @@ SweepSummary summarise(const Study& study, const std::vector<RunOutcome>& outcom
     errors.push_back(o.final_error);
     if (o.recovery) recoveries.push_back(*o.recovery);
     if (o.recovery && o.straight && *o.straight > 0.0) over_straight.push_back(*o.recovery / *o.straight);
+    if (o.recovery && o.shortest && *o.shortest > 0.0) over_shortest.push_back(*o.recovery / *o.shortest);
     s.places_taken += o.shut_out();
     s.runs_outside += o.outside > 0.0;
     if (o.whole) wholes.push_back(*o.whole);
@@ -414,6 +441,9 @@ SweepSummary summarise(const Study& study, const std::vector<RunOutcome>& outcom
   s.over_straight_p50 = quantile(over_straight, 0.5);
   s.over_straight_p99 = quantile(over_straight, 0.99);
   s.over_straight_max = quantile(over_straight, 1.0);
+  s.over_shortest_p50 = quantile(over_shortest, 0.5);
+  s.over_shortest_p99 = quantile(over_shortest, 0.99);
+  s.over_shortest_max = quantile(over_shortest, 1.0);
   s.whole_p50 = quantile(wholes, 0.5);
   s.whole_p99 = quantile(wholes, 0.99);
   s.whole_max = quantile(wholes, 1.0);

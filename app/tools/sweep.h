@@ -25,6 +25,8 @@ struct RunOutcome {
   /// Of robots that come to rest: what the longest straight line from a start to a place takes at v_max; empty: they
   /// drive on. [s]
   std::optional<double> straight;
+  /// The same along the shortest paths round the experiment's obstacles (ShortestPaths); empty also where one has none.
+  std::optional<double> shortest;
   std::optional<bool> formation_first;  ///< where a perturbation was large enough to ask
   std::optional<bool> relative_first;   ///< the same of the neighbours' relative positions
   double outside = 0.0;                 ///< largest distance by which a body was over the arena's edge [m]
@@ -84,7 +86,8 @@ struct SweepSummary {
   double recovery_p50 = 0.0, recovery_p90 = 0.0, recovery_p99 = 0.0, recovery_max = 0.0;  ///< of those that did [s]
   /// Of runs in which all came to rest: their times as multiples of `straight`; NaN where none did.
   double over_straight_p50 = 0.0, over_straight_p99 = 0.0, over_straight_max = 0.0;
-  double final_error_p50 = 0.0, final_error_p99 = 0.0, final_error_max = 0.0;  ///< [m]
+  double over_shortest_p50 = 0.0, over_shortest_p99 = 0.0, over_shortest_max = 0.0;  ///< the same of `shortest`
+  double final_error_p50 = 0.0, final_error_p99 = 0.0, final_error_max = 0.0;        ///< [m]
   std::int64_t formation_first = 0, formation_first_asked = 0, relative_first = 0;
   /// Of formations that wait: on their own clocks, and on the experiment's; NaN where none does. [s]
   double whole_p50 = 0.0, whole_p99 = 0.0, whole_max = 0.0;

@@ -183,7 +183,17 @@ TEST(Sweep, ARobotHasArrivedWhereTheStudySaysItHas) {
   EXPECT_LT(*soon.recovery, *late.recovery);
   EXPECT_GT(*soon.recovery, *soon.straight) << "nobody is faster than the straight line at v_max";
   EXPECT_EQ(soon.straight, late.straight);
+  EXPECT_EQ(soon.shortest, soon.straight) << "there are no obstacles";
   EXPECT_FALSE(run_one(shipped("kicks.toml"), 1).straight) << "these drive on";
+}
+
+TEST(Sweep, NobodyIsFasterThanTheShortestPathRoundTheWalls) {
+  for (const std::string name : {"corridors.toml", "doors.toml"}) {
+    const RunOutcome o = run_one(shipped(name), 1);
+    ASSERT_TRUE(o.recovery && o.straight && o.shortest) << name;
+    EXPECT_GE(*o.shortest, *o.straight) << name;
+    EXPECT_GT(*o.recovery, *o.shortest) << name;
+  }
 }
 
 /// Once 23.7 s (three of the platoon to overtake), 10.3 s (in the way of who follows), 17.2 s (both), 15.3 s (set down
