@@ -9,6 +9,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "app/experiment/experiment_file.h"
+
 namespace skein::app {
 namespace {
 
