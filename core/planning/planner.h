@@ -156,6 +156,7 @@ class Planner {
     std::size_t waits_for = 0, taken_by = 0;
     bool no_way = false, needs_plan = false;
     bool makes_room = false;  // there is no way to its place: it drives to where it blocks no other robot
+    bool gives_way = false;   // as all have done or do, since their order left no way to one of them
     bool all_anew = false;    // and all robots with it
     bool stood = false;       // it was out, or stuck
     double stood_for = 0.0;   // how long [s]
@@ -178,6 +179,8 @@ class Planner {
   void begin_group(const Scene& scene, std::span<const ReferencePoint> nominal, bool everybody) noexcept;
   void go_on_with_group(const Scene& scene, std::span<const ReferencePoint> nominal) noexcept;
   bool include_who_follows(const Scene& scene) noexcept;
+  bool all_gave_way() const noexcept;
+  bool let_all_give_way() noexcept;
   bool improve(const Scene& scene) noexcept;
   void wait_for_a_way(std::size_t i) noexcept;
   void end_group(const Scene& scene) noexcept;
@@ -268,7 +271,8 @@ class Planner {
 
   struct Group {
     bool active = false, everybody = false, asking = false;
-    double began = 0.0, lead = 0.0;                                    // [s]
+    bool give_way = false;                                             // all go where others can pass
+    double began = 0.0, lead = 0.0, until = 0.0;                       // [s]
     std::size_t next = 0;                                              // in the order
     enum class Others { leave, stay, absent } others = Others::leave;  // assumed behaviour of robots without a route
     int attempt = 0;

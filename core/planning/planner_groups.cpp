@@ -16,9 +16,11 @@ constexpr double lead_each = 0.016;   // planning a robot takes about so long [s
 constexpr double longest_lead = 0.8;  // [s]
 constexpr int most_attempts = 40;
 constexpr double longest_planning = 4.0;  // then a robot without a route is left standing, and the others drive [s]
+constexpr double longest_anew = 12.0;     // the same where all have given way, and none can drive before [s]
 constexpr int most_improvements = 6;
 constexpr double good_enough = 1.12;  // against the longest of the robots' straight lines
 constexpr double slowest = 0.005;     // who is slower stands [m/s]
+constexpr double at_place = 0.005;    // who is so near is there [m]
 constexpr double horizon = 45.0;      // of places that move [s]
 
 }  // namespace
@@ -132,7 +134,7 @@ void Planner::begin_search(std::size_t i, const Pose& from, double begins, const
   query.least = least_apart();
   query.pace = paces_[i];
   query.smaller = setup_.smaller;
-  if (robots_[i].makes_room) query.away_from = group_.places;
+  if (robots_[i].makes_room) query.away_from = group_.places, query.lets_pass = group_.active && group_.give_way;
   search_.look_at(lattice(i), traffic_);
   search_.begin(query, traffic_);
   spent_ += search_.found() ? 60 : 500;  // the stamps and the estimate
@@ -163,7 +165,9 @@ void Planner::begin_group(const Scene& scene, std::span<const ReferencePoint> no
   g.others = Group::Others::leave;
   g.next = 0;
   g.attempt = 0;
+  g.give_way = false;
   g.began = scene.t;
+  g.until = scene.t + (all_gave_way() ? longest_anew : longest_planning);
   const auto count = static_cast<double>(g.order.size());
   g.lead = count > 2.0 ? std::min(longest_lead, lead_each * count) : 0.0;
   for (const std::size_t i : g.order) {
@@ -196,6 +200,22 @@ bool Planner::include_who_follows(const Scene& scene) noexcept {
   if (more)
     for (const std::size_t i : group_.order) robots_[i].needs_plan = true;
   return more;
+}
+
+bool Planner::all_gave_way() const noexcept {
+  return std::all_of(group_.order.begin(), group_.order.end(), [&](std::size_t j) { return robots_[j].gives_way; });
+}
+
+/// No order of the members has helped, as where two in a dead end are to change places: all go where others can pass,
+/// and are planned anew from there. False if they have done that already.
+bool Planner::let_all_give_way() noexcept {
+  Group& g = group_;
+  if (!g.everybody || g.give_way || all_gave_way()) return false;
+  g.give_way = true;
+  for (const std::size_t j : g.order) robots_[j].makes_room = robots_[j].gives_way = true;
+  g.attempt = 0;
+  g.until = now_ + longest_planning;
+  return true;
 }
 
 /// One robot after the other; one without a route goes to the front, and all begin anew.
@@ -237,7 +257,8 @@ void Planner::go_on_with_group(const Scene& scene, std::span<const ReferencePoin
       g.order.erase(g.order.begin() + static_cast<std::ptrdiff_t>(g.next));
       wait_for_a_way(i);
     };
-    if (search_.found() && search_.legs().empty()) {  // it makes room, and blocks no other robot
+    const bool at_its_place = g.give_way && distance(g.from[i], goal(i, scene)) < at_place;
+    if (search_.found() && search_.legs().empty() && !at_its_place) {  // it makes room, and blocks no other robot
       stays();
       g.others = Group::Others::leave;
       continue;
@@ -269,8 +290,10 @@ void Planner::go_on_with_group(const Scene& scene, std::span<const ReferencePoin
       begin_group(scene, nominal, g.everybody);
       continue;
     }
-    const bool gives_up = g.attempt > most_attempts || scene.t > g.began + longest_planning;
-    if (gives_up || g.next == 0) {  // first and yet no way
+    bool gives_up = g.attempt > most_attempts || scene.t > g.until;
+    if (gives_up && g.next > 0 && !robots_[i].makes_room && let_all_give_way()) {
+      gives_up = false;
+    } else if (gives_up || g.next == 0) {  // first and yet no way
       // It waits where it blocks no other robot, like one whose place is taken, and is planned last. If it cannot go
       // there either, it stands where it is.
       if (std::exchange(robots_[i].makes_room, true))
@@ -327,8 +350,10 @@ void Planner::end_group(const Scene& scene) noexcept {
     robots_[i].route = g.best[i];
     robots_[i].keeps = keep_;
     robots_[i].joins = 0.0;
+    if (g.give_way && distance(g.best[i].end(), goal(i, scene)) < at_place) robots_[i].makes_room = false;
     // A member that is still braking is taken from where it will stand.
     set_off(i, due);
+    robots_[i].gives_way = g.give_way;
   }
   for (const std::size_t i : g.order)
     for (const std::size_t j : g.order) shift_[i * robots_.size() + j] = 0.0;
@@ -342,12 +367,17 @@ void Planner::plan(const Scene& scene, const Gains& gains, std::span<const Refer
   for (std::size_t i = 0; i < robots_.size(); ++i)
     somebody_drives =
         somebody_drives || (robots_[i].state == State::driving && !robots_[i].needs_plan && !stands(i, scene));
+  // Who has given way sets off only when all have: it might bar the others' way out again.
+  const bool somebody_gives_way = std::any_of(robots_.begin(), robots_.end(), [](const Robot& robot) {
+    return robot.gives_way && robot.makes_room && robot.state == State::driving && !robot.stood;
+  });
   const std::array<std::size_t, Merging::most> before = merging_.robots;
   merging_.count = 0;
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     Robot& robot = robots_[i];
     if (!robot.needs_plan || stands(i, scene)) continue;
-    const bool due = scene.t >= robot.retry;
+    const bool due =
+        scene.t >= robot.retry && !(somebody_gives_way && robot.gives_way && robot.state == State::waiting);
     if (!rests(i, scene)) {
       if (due && merging_.count < Merging::most) merging_.robots[merging_.count++] = i;
     } else {

@@ -28,7 +28,8 @@ RouteSearch::RouteSearch(const Lattice& lattice, std::size_t robots)
       left_(lattice.size() + 2),
       best_((lattice.size() + 2) * headings * intervals_each),
       best_of_(best_.size()),
-      is_exit_(lattice.size() + 2) {
+      is_exit_(lattice.size() + 2),
+      seen_(lattice.size()) {
   others_.reserve(robots);
   near_.reserve(robots);
   close_.reserve(robots);
@@ -36,6 +37,7 @@ RouteSearch::RouteSearch(const Lattice& lattice, std::size_t robots)
   nodes_.reserve(most_nodes);
   open_.reserve(most_nodes);
   exits_.reserve(64);
+  near_vertices_.reserve(lattice.size());
 }
 
 Lattice::Place RouteSearch::place(std::size_t vertex) const noexcept {
@@ -121,7 +123,67 @@ bool RouteSearch::may_end(std::size_t vertex, std::size_t interval) noexcept {
   for (std::size_t j = 0; j < query_.away_from.size(); ++j) {
     const Pose& other = query_.away_from[j];
     const double closer = query_.smaller.empty() ? 0.0 : query_.smaller[query_.robot] + query_.smaller[j];
-    if (j != query_.robot && std::hypot(here.x - other.x, here.y - other.y) < query_.keep - closer) return false;
+    const bool own = j == query_.robot && (!query_.lets_pass || vertex == start());
+    if (!own && std::hypot(here.x - other.x, here.y - other.y) < query_.keep - closer) return false;
+  }
+  return !query_.lets_pass || lets_pass(here);
+}
+
+/// Whether others can drive round a robot that stands there: the vertices near it, without those that it takes, and
+/// those that others take in the end, are still joined with one another. In a door or a corridor they are not.
+bool RouteSearch::lets_pass(const Lattice::Place& at) noexcept {
+  constexpr std::size_t last = Traffic::steps - 1;
+  const double reach = query_.keep + 3.0 * lattice_->cell();
+  const auto from_there = [&](std::size_t v) {
+    return std::hypot(lattice_->place(v).x - at.x, lattice_->place(v).y - at.y);
+  };
+  const auto is_left = [&](std::size_t v) {
+    const Lattice::Place& p = lattice_->place(v);
+    return from_there(v) >= query_.keep && std::all_of(others_.begin(), others_.end(), [&](std::uint32_t j) {
+             return std::hypot(traffic_->x(j, last) - p.x, traffic_->y(j, last) - p.y) >= radius_[j];
+           });
+  };
+  // Joined with one another, and with those from which they spread.
+  const auto spread = [&](auto&& may) {
+    for (std::size_t k = 0; k < near_vertices_.size(); ++k)
+      for (std::size_t d = 0; d < Lattice::directions; ++d) {
+        const std::size_t u = lattice_->neighbour(near_vertices_[k], d);
+        if (u == lattice_->size() || seen_[u] == seen_now_ || from_there(u) >= reach || !may(u)) continue;
+        seen_[u] = seen_now_;
+        near_vertices_.push_back(static_cast<std::uint32_t>(u));
+      }
+  };
+  const auto begin = [&] {
+    ++seen_now_;
+    near_vertices_.clear();
+  };
+  begin();
+  lattice_->near(at.x, at.y, attach * lattice_->cell(), [&](std::size_t v) {
+    if (!lattice_->free(at, lattice_->place(v))) return;
+    seen_[v] = seen_now_;
+    near_vertices_.push_back(static_cast<std::uint32_t>(v));
+  });
+  spread([](std::size_t) { return true; });
+  std::size_t left = 0, first = 0;
+  for (const std::uint32_t v : near_vertices_)
+    if (is_left(v) && left++ == 0) first = v;
+  if (left == 0) return false;
+  begin();
+  seen_[first] = seen_now_;
+  near_vertices_.push_back(static_cast<std::uint32_t>(first));
+  spread(is_left);
+  if (near_vertices_.size() != left) return false;
+  // The others' places as well: there may be no vertex beside one at the end of a dead end.
+  for (std::size_t j = 0; j < query_.away_from.size(); ++j) {
+    const Lattice::Place to{query_.away_from[j].x, query_.away_from[j].y};
+    if (j == query_.robot || std::hypot(to.x - at.x, to.y - at.y) >= reach) continue;
+    bool was_joined = false, is_joined = false;
+    lattice_->near(to.x, to.y, attach * lattice_->cell(), [&](std::size_t v) {
+      if (seen_[v] + 1 < seen_now_ || !lattice_->free(lattice_->place(v), to)) return;
+      was_joined = true;
+      is_joined = is_joined || seen_[v] == seen_now_;
+    });
+    if (was_joined && !is_joined) return false;
   }
   return true;
 }
@@ -235,7 +297,7 @@ std::size_t RouteSearch::advance(std::size_t budget) noexcept {
     open_.pop_back();
     const Node& n = nodes_[node];
     if (node != 0 && (best_of_[n.state] != search_ || n.g > best_[n.state])) continue;
-    ++spent;
+    spent += query_.lets_pass ? 4 : 1;
     if (may_end(n.state / intervals_each / headings, n.state % intervals_each)) {
       finish(node);
       break;

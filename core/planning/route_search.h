@@ -38,6 +38,8 @@ class RouteSearch {
     /// passes there later, and it is none of these, which are the others' places. It may be where the robot stands:
     /// then there are no legs.
     std::span<const Pose> away_from{};
+    /// That place must let others pass as well, round it and round those who stand near it in the end.
+    bool lets_pass = false;
   };
   void begin(const Query& query, const Traffic& traffic) noexcept;
   /// Continues with up to this many nodes; returns the number expanded.
@@ -63,6 +65,7 @@ class RouteSearch {
   static constexpr std::uint32_t nobody = 0xffffffff;
 
   bool may_end(std::size_t vertex, std::size_t interval) noexcept;
+  bool lets_pass(const Lattice::Place& at) noexcept;
   void stamp() noexcept;
   void estimate() noexcept;
   std::span<const Interval> intervals(std::size_t vertex) noexcept;
@@ -119,6 +122,8 @@ class RouteSearch {
   std::vector<std::pair<float, std::uint32_t>> open_;
   std::vector<std::uint32_t> exits_;  // vertices that see the goal
   std::vector<std::uint8_t> is_exit_;
+  std::vector<std::uint32_t> near_vertices_, seen_;  // seen_: the count of `seen_now_` then
+  std::uint32_t seen_now_ = 0;
   std::uint32_t search_ = 0;
   std::array<Leg, Route::most_legs> legs_{};
   std::size_t leg_count_ = 0;

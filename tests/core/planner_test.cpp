@@ -846,6 +846,46 @@ TEST(Planner, WhoHasArrivedMakesRoomForThoseWithoutAWay) {
   EXPECT_LT(o.arrived, 90.0);
 }
 
+/// A dead end as wide as 1.4 robots, its end at x = 0.3.
+void narrow_dead_end(Scene& scene) {
+  const double half = 0.5 * 0.098 + 0.02;
+  wall(scene, 0.0, half, 0.3, half);
+  wall(scene, 0.0, -half, 0.3, -half);
+  wall(scene, 0.3, -half, 0.3, half);
+}
+
+/// One after the other was planned first, and left the others no way: either the innermost stayed at its place and shut
+/// out the one whose place is behind it, or that one waited in front of the dead end and let nobody out.
+TEST(Planner, RobotsInADeadEndChangeTheirOrder) {
+  for (const std::array<double, 3>& to : {std::array{0.13, 0.04, 0.22}, {0.04, 0.22, 0.13}, {0.04, 0.13, 0.22}}) {
+    Scene scene;
+    narrow_dead_end(scene);
+    scene.starts = {{0.22, 0.0, 1.0}, {0.13, 0.0, -2.0}, {0.04, 0.0, 3.0}};
+    for (std::size_t i = 0; i < to.size(); ++i) scene.lines.add(scene.starts[i], {to[i], 0.0, 0.0});
+    scene.duration = 120.0;
+    const Outcome o = run(scene);
+    EXPECT_GT(o.arrived, 0.0) << to[0] << ' ' << to[1] << ' ' << to[2];
+    EXPECT_LT(o.arrived, 90.0) << to[0] << ' ' << to[1] << ' ' << to[2];
+    EXPECT_GE(o.least, 0.078 - 1e-6) << to[0] << ' ' << to[1] << ' ' << to[2];
+  }
+}
+
+/// The first has no way, whatever the others do: they stay at their places.
+TEST(Planner, NobodyGivesWayToOneThatHasNoWayAlone) {
+  Scene scene;
+  narrow_dead_end(scene);
+  wall(scene, 0.6, -0.75, 0.6, 0.75);
+  scene.starts = {{-0.4, 0.0, 0.0}, {0.2, 0.0, 0.0}, {0.1, 0.0, 0.0}};
+  scene.lines.add(scene.starts[0], {0.8, 0.0, 0.0});
+  scene.lines.add(scene.starts[1], {0.2, 0.0, 0.0});
+  scene.lines.add(scene.starts[2], {0.1, 0.0, 0.0});
+  scene.duration = 60.0;
+  const Outcome o = run(scene);
+  EXPECT_TRUE(o.no_way);
+  EXPECT_LT(core::distance(o.last[1], scene.starts[1]), 0.01);
+  EXPECT_LT(core::distance(o.last[2], scene.starts[2]), 0.01);
+}
+
 TEST(Planner, WhoHadNoPlaceGoesThereOnceItIsFree) {
   const Outcome o = run(first_stands(
       {{{0.4, 0.0, 0.0}, {0.6, 0.4, 0.0}}, {{0.0, 0.0, 0.0}, {0.4, 0.0, 0.0}}, {{-0.5, 0.0, 0.0}, {}}}, 20.0));
