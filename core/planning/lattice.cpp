@@ -13,6 +13,10 @@ constexpr double from_edge = 0.01;    // routes keep so much more from the arena
                                       // robot that heads for the edge drive ever more slowly [m]
 constexpr double beside = 0.03;       // less room than this to spare: the place moves to where there is most [m]
 
+HalfSize inner(const HalfSize& outer, double by) noexcept {
+  return {std::max(0.0, outer.width - by), std::max(0.0, outer.height - by)};
+}
+
 /// The square of the distance of an obstacle's middle from the line between two points.
 double distance2_of(const Obstacle& o, const Lattice::Place& from, const Lattice::Place& to) noexcept {
   const double dx = to.x - from.x, dy = to.y - from.y, squared = dx * dx + dy * dy;
@@ -25,9 +29,7 @@ double distance2_of(const Obstacle& o, const Lattice::Place& from, const Lattice
 }  // namespace
 
 Lattice::Lattice(const HalfSize& arena, double keep, std::size_t obstacles)
-    : keep_(keep),
-      most_{std::max(0.0, arena.width - keep), std::max(0.0, arena.height - keep)},
-      routes_{std::max(0.0, most_.width - from_edge), std::max(0.0, most_.height - from_edge)} {
+    : arena_(arena), least_keep_(keep), keep_(keep), most_(inner(arena, keep)), routes_(inner(most_, from_edge)) {
   const double area = 4.0 * most_.width * most_.height;
   cell_ = std::max(finest_cell, std::sqrt(1.1 * area / static_cast<double>(most_cells)));
   columns_ = static_cast<std::size_t>(std::ceil(2.0 * most_.width / cell_ + 1e-9)) + 1;
@@ -126,7 +128,10 @@ double Lattice::climb(std::size_t vertex, Place& best, double good, F&& goodness
   return good;
 }
 
-void Lattice::build(std::span<const Obstacle> obstacles) noexcept {
+void Lattice::build(std::span<const Obstacle> obstacles, double more) noexcept {
+  keep_ = least_keep_ + more;
+  most_ = inner(arena_, keep_);
+  routes_ = inner(most_, from_edge);
   obstacles_.assign(obstacles.begin(),
                     obstacles.begin() + static_cast<std::ptrdiff_t>(std::min(obstacles.size(), obstacles_.capacity())));
   for (std::size_t v = 0; v < size(); ++v) {

@@ -26,7 +26,8 @@ class Lattice {
 
   /// `keep`: from a midpoint to an edge of the arena or of an obstacle [m].
   Lattice(const HalfSize& arena, double keep, std::size_t obstacles);
-  void build(std::span<const Obstacle> obstacles) noexcept;
+  /// `more`: added to `keep` [m].
+  void build(std::span<const Obstacle> obstacles, double more = 0.0) noexcept;
 
   std::size_t size() const noexcept { return places_.size(); }
   double cell() const noexcept { return cell_; }
@@ -89,7 +90,8 @@ class Lattice {
   static constexpr std::array<int, directions> step_x{1, 1, 0, -1, -1, -1, 0, 1};
   static constexpr std::array<int, directions> step_y{0, 1, 1, 1, 0, -1, -1, -1};
 
-  double keep_, cell_, left_, bottom_;
+  HalfSize arena_;
+  double least_keep_, keep_, cell_, left_, bottom_;
   std::size_t columns_, rows_;
   HalfSize most_, routes_;  // bounds on a midpoint's coordinates, and on a route's vertices
   std::vector<Place> places_;

@@ -34,6 +34,14 @@ constexpr double keeps_route = 1.0;         // a robot on a route that is not se
 constexpr double stays_after = 3.0;         // a robot that stands so long is taken to stay there [s]
 constexpr double formation_slope = 0.25;    // of its clock, times the largest v_ref [m/s^2]
 constexpr double stuck_for = 4.0;           // a clock that has hardly run for this long: a new plan for all robots [s]
+constexpr double margin_after = 1.0;        // of doubt that lasts; the first time, `margin_first` [s]
+constexpr double margin_first = 0.2;        // [s]
+constexpr double margin_shuts = 2.0;        // who has no way with a margin is given one without [s]
+constexpr double margin_step = 0.0001;      // [m]
+constexpr double margin_excess = 0.0005;    // more than is needed: it is reduced [m]
+constexpr double most_margin = 0.005;       // [m]
+constexpr double barred_for = 1.0;          // from its route, by an obstacle: a new plan for that robot alone [s]
+constexpr double beside_obstacle = 0.005;   // so much room at most, beyond what must be [m]
 
 bool is_at(const Pose& place, const Pose& pose) noexcept {
   return distance(pose, place) < arrived && std::abs(wrap_angle(pose.theta - place.theta)) < route_end_angle;
@@ -289,7 +297,14 @@ void Planner::run_clock(std::size_t i, const Scene& scene, double dt) noexcept {
       stop(wrap_angle(here.theta - pose.theta), sets_off_within + 2.0 * scene.doubt / standard_radius);
   }
   if (pauses(i, scene)) robot.rate = 0.0;
-  robot.held_for = robot.rate < 0.3 ? robot.held_for + dt : 0.0;
+  const bool hardly_runs = robot.rate < 0.3;
+  robot.held_for = hardly_runs ? robot.held_for + dt : 0.0;
+  // A clock that stands for its own robot, and for no other: an obstacle that bars it from its route does not go away.
+  // In a passage that is too narrow for uncertain poses, no other route is better.
+  const bool is_barred = hardly_runs && !margin_.given_up && drives && error > error_free &&
+                         robot.waits_for == robots_.size() && !pauses(i, scene) &&
+                         lattice(i).room(scene.poses[i].x, scene.poses[i].y) < beside_obstacle;
+  robot.barred = is_barred ? robot.barred + dt : 0.0;
   const State before = robot.state;
   const double step = robot.rate * dt;
   const Twist twist = robot.route.twist(robot.clock, std::max(step, 1e-9));
@@ -330,6 +345,36 @@ void Planner::know_paces(const Gains& gains) noexcept {
   }
 }
 
+/// The shield keeps a robot whose pose is uncertain farther from obstacles: on a route that did not, it would stop for
+/// good. A margin that followed each frame that is missing would change routes all the time. Returns whether the margin
+/// has changed.
+bool Planner::follow_doubt(double doubt, double dt) noexcept {
+  Margin& m = margin_;
+  if (!m.known && doubt == 0.0) return false;
+  // A passage so narrow lets a robot through as long as the camera is lucky, and slowly: better than none.
+  const bool is_shut = std::any_of(robots_.begin(), robots_.end(), [](const Robot& robot) { return robot.no_way; });
+  m.shuts = is_shut && m.kept > 0.0 ? m.shuts + dt : 0.0;
+  if (m.shuts > margin_shuts) {
+    m.given_up = true;
+    m.shuts = m.kept = 0.0;
+    return true;
+  }
+  if (m.given_up) return false;
+  m.least = std::min(m.least, doubt);
+  m.most = std::max(m.most, doubt);
+  m.lasts += dt;
+  if (m.lasts < (m.known ? margin_after : margin_first)) return false;
+  m.known = true;
+  double wanted = m.kept;
+  if (m.least > m.kept)
+    wanted = m.least;
+  else if (m.most < m.kept - margin_excess)
+    wanted = m.most;
+  wanted = std::min(most_margin, margin_step * std::ceil(wanted / margin_step - 1e-9));
+  m.least = never, m.most = m.lasts = 0.0;
+  return std::exchange(m.kept, wanted) != wanted;
+}
+
 void Planner::step(const Scene& scene, const Gains& gains, double dt, std::span<const ReferencePoint> nominal,
                    std::span<ReferencePoint> reference) noexcept {
   const std::size_t n = robots_.size();
@@ -339,11 +384,12 @@ void Planner::step(const Scene& scene, const Gains& gains, double dt, std::span<
   ++tick_;
   keep_ = setup_.shield_distance + route_comfort + 2.0 * scene.doubt;
   know_paces(gains);
-  const bool changed =
-      !std::equal(obstacles_.begin(), obstacles_.end(), scene.obstacles.begin(), scene.obstacles.end());
+  const bool is_new = !std::equal(obstacles_.begin(), obstacles_.end(), scene.obstacles.begin(), scene.obstacles.end());
+  if (is_new) margin_.given_up = false;
+  const bool changed = follow_doubt(scene.doubt, dt) || is_new;
   if (changed) {
     obstacles_.assign(scene.obstacles.begin(), scene.obstacles.end());
-    for (Lattice& each : lattices_) each.build(scene.obstacles);
+    for (Lattice& each : lattices_) each.build(scene.obstacles, margin_.kept);
     for (Robot& robot : robots_) robot.retry = robot.patience = 0.0;
   }
   for (std::size_t i = 0; i < n; ++i)
@@ -416,10 +462,10 @@ void Planner::step(const Scene& scene, const Gains& gains, double dt, std::span<
       watch(i, scene, gains, nominal, robot.looks_far);
       if (robot.state != State::waiting) robot.looks_far = false;
     }
-    if (robot.state == State::driving && robot.held_for > stuck_for && !group_.active) {
-      robot.held_for = 0.0;
+    if (robot.state == State::driving && !group_.active && (robot.held_for > stuck_for || robot.barred > barred_for)) {
       robot.needs_plan = true;
-      robot.all_anew = rests(i, scene);
+      robot.all_anew = robot.held_for > stuck_for && rests(i, scene);
+      robot.held_for = robot.barred = 0.0;
     }
   }
   for (std::size_t i = 0; i < n; ++i) robots_[i].before = scene.poses[i];

@@ -145,6 +145,7 @@ class Planner {
     double due = 0.0;                // time of the experiment at which its clock was 0, without delays [s]
     double share = 1.0;
     double held_for = 0.0;  // how long its clock has hardly advanced [s]
+    double barred = 0.0;    // how long the shield has kept it from its route [s]
     double retry = 0.0;     // no new plan before [s]
     double patience = 0.0;  // time to the next attempt after finding no way; grows with each failure [s]
     double joins = 0.0;     // for a moving place: when its route meets it, on its clock [s]
@@ -229,6 +230,7 @@ class Planner {
   Pose goal(std::size_t i, const Scene& scene) const noexcept;
   bool is_taken(std::size_t i, const Scene& scene) noexcept;
   void know_paces(const Gains& gains) noexcept;
+  bool follow_doubt(double doubt, double dt) noexcept;
   /// The smallest distance of two of the largest bodies on routes: the shield's, with room for rounding. [m]
   double least_apart() const noexcept { return setup_.shield_distance + 5e-4; }
   /// By how much this pair may come closer together than two of the largest bodies. [m]
@@ -268,6 +270,15 @@ class Planner {
   ReferenceDemand demand_;    // for that; a formation evaluates its whole path to find it
   std::size_t tick_ = 0, spent_ = 0;
   bool begun_ = false, to_starts_ = false;
+
+  /// What routes keep from obstacles and edges beyond the shield's distance, because poses are uncertain.
+  struct Margin {
+    double kept = 0.0;                 // [m]
+    double least = never, most = 0.0;  // doubt since it was last compared with that [m]
+    double lasts = 0.0;                // so long [s]
+    double shuts = 0.0;                // how long a robot has had no way [s]
+    bool known = false, given_up = false;
+  } margin_;
 
   struct Group {
     bool active = false, everybody = false, asking = false;

@@ -75,7 +75,7 @@ void Planner::set_off(std::size_t i, double due) noexcept {
   robot.clock = now_ - due;
   robot.rate = 1.0;
   robot.state = State::driving;
-  robot.held_for = 0.0;
+  robot.held_for = robot.barred = 0.0;
   robot.no_way = robot.makes_room;
   robot.needs_plan = robot.all_anew = false;
   robot.patience = 0.0;

@@ -65,8 +65,9 @@ struct Scene {
   bool improve = true;
   using Who = std::function<std::vector<std::uint8_t>(std::size_t n, double t)>;
   Who out, stuck;
-  Who jammed;  // as stuck, and nobody knows
-  Who unseen;  // out, but only because they are not seen
+  Who jammed;                                                          // as stuck, and nobody knows
+  std::function<double(double t)> doubt = [](double) { return 0.0; };  // of poses [m]
+  Who unseen;                                                          // out, but only because they are not seen
 };
 
 /// The sixth robot, from `from` until `until` [s].
@@ -129,7 +130,9 @@ Outcome run(const Scene& scene) {
     if (scene.jammed) jammed = scene.jammed(n, t);
     const std::span<const Obstacle> obstacles(scene.obstacles.data(),
                                               t >= scene.obstacles_from ? scene.obstacles.size() : 0);
-    planner.step({t, false, poses, commands, out, stuck, obstacles, 0.0, 0.0, unseen}, gains, dt, nominal, followed);
+    const std::vector<double> doubt(n, scene.doubt(t));
+    planner.step({t, false, poses, commands, out, stuck, obstacles, doubt[0], 0.0, unseen}, gains, dt, nominal,
+                 followed);
     o.longest_planning = std::max(o.longest_planning, planning = planner.nodes() > 0 ? planning + 1 : 0);
     for (std::size_t i = 0; i < n; ++i) {
       if (planner.no_way(i) && !o.no_way) o.no_way_at = t;
@@ -151,8 +154,8 @@ Outcome run(const Scene& scene) {
       v_limit[i] = out[i] ? 0.0 : limits.v_limit(commands[i].omega);
       midway[i] = {poses[i].x, poses[i].y, poses[i].theta + 0.5 * commands[i].omega * dt};
     }
-    shield.apply(parameters, {.poses = midway, .obstacles = scene.obstacles, .v_limit = v_limit}, commands,
-                 {touched.get(), n});
+    shield.apply(parameters, {.poses = midway, .obstacles = scene.obstacles, .v_limit = v_limit, .doubt = doubt},
+                 commands, {touched.get(), n});
     bool there = true, others_there = true;
     for (std::size_t i = 0; i < n; ++i) {
       if (k > 0 && !out[i]) o.fastest_change = std::max(o.fastest_change, std::abs(commands[i].v - last[i].v));
@@ -844,6 +847,60 @@ TEST(Planner, WhoHasArrivedMakesRoomForThoseWithoutAWay) {
   const Outcome o = run(scene);
   EXPECT_GT(o.arrived, 0.0);
   EXPECT_LT(o.arrived, 90.0);
+}
+
+/// Slowed down beside a corner, it turned 3 mm beside its route, and on from there stood before the corner for 4 s.
+TEST(Planner, WhoIsBarredFromItsRouteByTheShieldGetsANewOne) {
+  Scene scene;
+  const auto side = [&](double x0, double y0, double x1, double y1, int parts) {
+    for (int k = 0; k <= parts; ++k)
+      scene.obstacles.push_back({x0 + (x1 - x0) * k / parts, y0 + (y1 - y0) * k / parts, 0.025});
+  };
+  side(-0.111213, -0.080442, 0.048635, 0.245497, 11);
+  side(0.042868, -0.156007, 0.202716, 0.169932, 11);
+  side(0.202716, 0.169932, 0.048635, 0.245497, 5);
+  scene.starts = {{-0.024632, -0.098772, 1.920857}};
+  scene.lines.add(scene.starts[0], {0.650936, -0.002236, 0.0});
+  const Outcome o = run(scene);
+  EXPECT_GT(o.arrived, 0.0);
+  EXPECT_LT(o.arrived, 17.0);
+}
+
+/// The shield keeps a robot farther from obstacles if its pose is uncertain: on routes that did not keep as far, it
+/// stood.
+TEST(Planner, RoutesKeepFromObstaclesWhatTheShieldKeepsForUncertainPoses) {
+  for (int k = 0; k < 12; ++k) {
+    Scene scene;
+    dead_end(scene);
+    scene.starts = {{-0.1 + 0.01 * k, -0.1 + 0.015 * k, 0.5 * k}};
+    scene.lines.add(scene.starts[0], {0.6, 0.05 * k - 0.3, 0.0});
+    const double certain = run(scene).arrived;
+    scene.doubt = [](double) { return 0.003; };
+    const double uncertain = run(scene).arrived;
+    EXPECT_GT(certain, 0.0) << k;
+    EXPECT_GT(uncertain, 0.0) << k;
+    EXPECT_LT(uncertain, 1.1 * certain + 1.0) << k;
+  }
+}
+
+TEST(Planner, UncertainPosesCloseADoorThatIsTooNarrowForThemAndOneFrameDoesNot) {
+  Scene scene;
+  constexpr double half = 0.5 * 0.09 + 0.02;  // 10 mm to spare on each side, of which the shield keeps 8
+  wall(scene, 0.0, half, 0.0, 0.75);
+  wall(scene, 0.0, -half, 0.0, -0.75);
+  scene.starts = {{-0.5, 0.2, 0.0}};
+  scene.lines.add(scene.starts[0], {0.5, 0.1, 0.0});
+  scene.duration = 60.0;
+  EXPECT_GT(run(scene).arrived, 0.0);
+  scene.doubt = [](double t) { return std::fmod(t + 1.0, 2.0) < 0.2 ? 0.005 : 0.001; };
+  const Outcome opened = run(scene);
+  EXPECT_GT(opened.arrived, 0.0);
+  EXPECT_FALSE(opened.no_way);
+  scene.doubt = [](double t) { return t < 3.0 ? 0.0 : t < 20.0 ? 0.003 : 0.001; };
+  const Outcome closed = run(scene);
+  EXPECT_LT(closed.no_way_at, 5.0) << "the shield holds it there";
+  EXPECT_GT(closed.no_way_at, 3.0);
+  EXPECT_GT(closed.arrived, 20.0) << "it tries all the same, and drives on when it can";
 }
 
 /// A dead end as wide as 1.4 robots, its end at x = 0.3.
