@@ -869,7 +869,7 @@ TEST(Planner, WhoIsBarredFromItsRouteByTheShieldGetsANewOne) {
 /// The shield keeps a robot farther from obstacles if its pose is uncertain: on routes that did not keep as far, it
 /// stood.
 TEST(Planner, RoutesKeepFromObstaclesWhatTheShieldKeepsForUncertainPoses) {
-  for (int k = 0; k < 12; ++k) {
+  for (int k = 0; k < 12; k += 2) {
     Scene scene;
     dead_end(scene);
     scene.starts = {{-0.1 + 0.01 * k, -0.1 + 0.015 * k, 0.5 * k}};
