@@ -26,6 +26,7 @@ void fields(auto& io, one_of<Hold, Release, Lost, Found, Avoid, Clear, Deadlock,
 void fields(auto& io, one_of<NoWay> auto& e) {
   io.number_of('r', e.robot);
   io.number_of_any('r', e.other, nobody);
+  io.optional("margin", e.margin);
 }
 
 void fields(auto& io, one_of<Perturb, Kidnap> auto& e) {

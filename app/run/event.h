@@ -256,6 +256,7 @@ struct NoWay {  ///< planning finds no route to its place: it stands, and planni
   static constexpr std::string_view word = "no_way";
   std::size_t robot = 0;
   std::size_t other = nobody;  ///< stands at its place
+  double margin = 0.0;         ///< routes keep so much more from obstacles, because poses are uncertain [m]
 };
 struct NoProgress {  ///< it has made no progress towards its place for 3 s
   static constexpr std::string_view word = "no_progress";

@@ -550,7 +550,8 @@ void TickState::follow_plan() noexcept {
   planner->step(scene, gains, motion_dt, nominal, followed);
   for (std::size_t i = 0; i < robots(); ++i) {
     const std::size_t by = planner->taken_by(i);
-    if (planner->no_way(i) && !had_no_way[i]) note(events::NoWay{i, by < robots() ? by : events::nobody});
+    if (planner->no_way(i) && !had_no_way[i])
+      note(by < robots() ? events::NoWay{i, by} : events::NoWay{i, events::nobody, planner->margin()});
     had_no_way[i] = planner->no_way(i);
   }
 }

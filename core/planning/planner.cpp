@@ -37,7 +37,7 @@ constexpr double stuck_for = 4.0;           // a clock that has hardly run for t
 constexpr double margin_after = 1.0;        // of doubt that lasts; the first time, `margin_first` [s]
 constexpr double margin_first = 0.2;        // [s]
 constexpr double margin_shuts = 2.0;        // who has no way with a margin is given one without [s]
-constexpr double margin_step = 0.0001;      // [m]
+constexpr double margin_steps = 1e4;        // [1/m]
 constexpr double margin_excess = 0.0005;    // more than is needed: it is reduced [m]
 constexpr double most_margin = 0.005;       // [m]
 constexpr double barred_for = 1.0;          // from its route, by an obstacle: a new plan for that robot alone [s]
@@ -370,7 +370,7 @@ bool Planner::follow_doubt(double doubt, double dt) noexcept {
     wanted = m.least;
   else if (m.most < m.kept - margin_excess)
     wanted = m.most;
-  wanted = std::min(most_margin, margin_step * std::ceil(wanted / margin_step - 1e-9));
+  wanted = std::min(most_margin, std::ceil(margin_steps * wanted - 1e-9) / margin_steps);
   m.least = never, m.most = m.lasts = 0.0;
   return std::exchange(m.kept, wanted) != wanted;
 }

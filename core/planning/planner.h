@@ -93,6 +93,8 @@ class Planner {
   double share(std::size_t i) const noexcept { return robots_[i].share; }
   /// Planning has found no route for robot i, and keeps trying.
   bool no_way(std::size_t i) const noexcept { return robots_[i].no_way; }
+  /// What routes keep from obstacles and edges beyond the shield's distance, because poses are uncertain [m].
+  double margin() const noexcept { return margin_.kept; }
   /// The robot that stood at the place of robot i when its route was planned, or none (robots()).
   std::size_t taken_by(std::size_t i) const noexcept { return robots_[i].taken_by; }
   /// The robot for which robot i waits to pass first, or none (robots()).

@@ -175,9 +175,14 @@ QString sentence(const app::Event& event) {
                                            : tr("Obstacle %1 was removed").arg(e.number + 1);
           },
           [&](const NoWay& e) {
-            return e.other == nobody
-                       ? tr("Robot %1 stands: there is no route to its place").arg(e.robot + 1)
-                       : tr("Robot %1 stands: robot %2 is at its place").arg(e.robot + 1).arg(e.other + 1);
+            if (e.other != nobody)
+              return tr("Robot %1 stands: robot %2 is at its place").arg(e.robot + 1).arg(e.other + 1);
+            if (e.margin > 0.0)
+              return tr("Robot %1 stands: no route to its place keeps %2 mm more from obstacles, as poses are "
+                        "uncertain")
+                  .arg(e.robot + 1)
+                  .arg(fixed(1e3 * e.margin, 1));
+            return tr("Robot %1 stands: there is no route to its place").arg(e.robot + 1);
           },
           [&](const NoProgress& e) {
             return tr("Robot %1 has made no progress to its place for 3 s, %2 m away (%3)")

@@ -54,6 +54,7 @@ const std::vector<std::pair<Event, std::string>> all{
     {events::FilmBroken{}, "film_broken"},
     {events::NoWay{1}, "no_way r2"},
     {events::NoWay{1, 0}, "no_way r2 r1"},
+    {events::NoWay{1, events::nobody, 0.002}, "no_way r2 margin=0.002"},
     {events::NoProgress{1, 0.31, Hindrance::shield}, "no_progress r2 0.31 shield"},
     {events::Outside{0, 0.01}, "outside r1 0.01"},
     {events::Controller{ControllerState::late}, "controller late"},
