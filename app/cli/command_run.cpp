@@ -5,13 +5,18 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "app/cli/commands.h"
+#include "app/cli/same_file.h"
 #include "app/exchange/publisher.h"
 #include "app/experiment/certificate.h"
 #include "app/experiment/experiment_file.h"
 #include "app/experiment/hardware.h"
 #include "app/experiment/rehearsal.h"
+#include "app/experiment/text_file.h"
 #include "app/guard/safety_net.h"
 #include "app/record/csv_file.h"
 #include "app/record/report.h"
@@ -51,11 +56,6 @@ class Progress final : public RecordSink {
   bool shown_;
   std::chrono::steady_clock::time_point last_{};
 };
-
-bool same_file(const std::string& a, const std::string& b) {
-  std::error_code ignored;
-  return !a.empty() && !b.empty() && std::filesystem::equivalent(a, b, ignored);
-}
 
 }  // namespace
 
@@ -98,16 +98,27 @@ int run(const RunRequest& request) {
   options.crops = &crops;
   std::vector<std::unique_ptr<CsvFile>> files;
   std::error_code ignored;
+  // What the run is read from is not written over, whatever is forced.
+  std::vector<std::string> inputs{request.experiment.file};
+  const std::string text = request.experiment.file.empty() ? "" : read_text(request.experiment.file).value_or("");
+  for (std::string& file : files_named_by(text, request.experiment.sets, *experiment))
+    inputs.push_back(std::move(file));
+  const auto is_input = [&](const std::string& path) {
+    if (std::none_of(inputs.begin(), inputs.end(), [&](const std::string& input) { return same_file(path, input); }))
+      return false;
+    complain(path + ": is a file that the run is read from, allowed: another file");
+    return true;
+  };
   for (const std::string& film : film_paths(*experiment, request.video)) {
+    if (is_input(film)) return wrong_input;
     if (request.force || request.video.empty() || !std::filesystem::is_regular_file(film, ignored)) continue;
     complain(fmt::format("{}: already exists, and no run is overwritten; use the free name {}, or --force", film,
                          free_name(request.video)));
     return wrong_input;
   }
   const auto record_to = [&](const std::string& path) {
+    if (is_input(path)) return false;
     try {
-      if (same_file(path, request.experiment.file))
-        throw std::runtime_error(path + ": is the experiment itself; allowed: another file");
       files.push_back(std::make_unique<CsvFile>(path, *experiment, CsvOptions{.rules = {.force = request.force}}));
       options.sinks.push_back(files.back().get());
       return true;

@@ -17,6 +17,7 @@
 #include "app/controllers/own_controller.h"
 #include "app/embedded/embedded.h"
 #include "app/experiment/experiment_keys.h"
+#include "app/experiment/experiment_sets.h"
 #include "app/experiment/text_file.h"
 #include "app/record/report.h"
 #include "app/run/version.h"
@@ -118,7 +119,8 @@ tl::expected<std::string, std::string> new_folder(const std::string& directory, 
 }
 
 /// Files that the experiment file names: where they are, and their names in the run's folder.
-std::vector<std::pair<fs::path, std::string>> inputs(const std::string& text, const Experiment& experiment) {
+std::vector<std::pair<fs::path, std::string>> inputs(const std::string& text, const std::vector<std::string>& sets,
+                                                     const Experiment& experiment) {
   std::vector<std::pair<fs::path, std::string>> files;
   const auto take = [&](const std::string& name, std::string as) {
     if (!name.empty()) files.emplace_back(fs::path(experiment.directory) / name, std::move(as));
@@ -126,7 +128,9 @@ std::vector<std::pair<fs::path, std::string>> inputs(const std::string& text, co
   for (std::size_t k = 0; k < experiment.cameras(); ++k)
     take(experiment.camera_at(k).calibration, calibration_in_folder(experiment.camera_at(k).calibration, k));
   try {
-    const toml::table document = toml::parse(text);
+    toml::table document = toml::parse(text);
+    std::vector<Problem> refused_before;
+    apply_sets(document, sets, refused_before);
     take(document["robots_file"].value_or<std::string>(""), run_files::robots);
     if (const toml::array* const robots = document["robot"].as_array())
       for (std::size_t i = 0; i < robots->size(); ++i)
@@ -148,7 +152,19 @@ std::vector<std::pair<fs::path, std::string>> inputs(const std::string& text, co
   return files;
 }
 
+bool is_inside(const std::string& folder, const std::string& file) {
+  std::error_code not_there;
+  return !folder.empty() && fs::equivalent(fs::absolute(file, not_there).parent_path(), folder, not_there);
+}
+
 }  // namespace
+
+std::vector<std::string> files_named_by(const std::string& text, const std::vector<std::string>& sets,
+                                        const Experiment& experiment) {
+  std::vector<std::string> files;
+  for (const auto& [from, as] : inputs(text, sets, experiment)) files.push_back(from.string());
+  return files;
+}
 
 std::map<std::string, std::string> experiment_facts(const Experiment& experiment) {
   std::map<std::string, std::string> facts;
@@ -178,7 +194,7 @@ tl::expected<KeptRun, std::string> KeptRun::begin(const KeepRequest& request, co
   Json inputs_used = Json::object();
   Done written = write_file(folder / run_files::as_written, text);
   if (written) written = write_file(folder / run_files::as_run, experiment.source);
-  for (const auto& [from, as] : inputs(text, experiment)) {
+  for (const auto& [from, as] : inputs(text, {}, experiment)) {
     if (written) written = keep_copy(from, folder / as);
     inputs_used[as] = from.lexically_normal().string();
   }
@@ -260,9 +276,29 @@ Done add_to_kept_run(const std::string& folder, const std::vector<std::string>& 
   if (!story) return tl::unexpected(story.error());
   if (!story->contains("files") || !(*story)["files"].is_object())
     return tl::unexpected(fmt::format("{}: its run did not end, allowed: the folder of a run that did", folder));
-  for (const std::string& name : files)
+  if (seal_holds(*story) == false)  // a new seal would hide it
+    return tl::unexpected(fmt::format("{}/{}: was changed after the run: nothing is added", folder, run_files::story));
+  for (const std::string& name : files) {
     if (Done noted = note_file((*story)["files"], folder, name); !noted) return noted;
+    (*story)["files"][name]["added"] = true;
+  }
   return write_file(fs::path(folder) / run_files::story, sealed(std::move(*story)));
+}
+
+Done add_if_inside(const std::string& folder, const std::string& file) {
+  if (!is_inside(folder, file)) return {};
+  const auto story = read_story(folder);
+  if (!story || !story->contains("files") || seal_holds(*story) == false) return {};  // whatever is added, it fails
+  return add_to_kept_run(folder, {fs::path(file).filename().string()});
+}
+
+bool is_of_run(const std::string& folder, const std::string& file) {
+  if (!is_inside(folder, file)) return false;
+  const std::string name = fs::path(file).filename().string();
+  if (name == run_files::story) return true;
+  const auto story = read_story(folder);
+  const Json files = story ? story->value("files", Json()) : Json();
+  return files.is_object() && files.contains(name) && !(files[name].is_object() && files[name].contains("added"));
 }
 
 }  // namespace skein::app

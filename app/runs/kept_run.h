@@ -56,8 +56,21 @@ class KeptRun {
 void remove_film(const Experiment& experiment, const std::string& film);
 
 /// Makes files in the folder of an ended run part of the run: their hashes go into its run.json. The error names what
-/// cannot be read or written; a run that has not ended accepts no files.
+/// cannot be read or written; a run that has not ended, or whose run.json was changed, accepts no files.
 tl::expected<void, std::string> add_to_kept_run(const std::string& folder, const std::vector<std::string>& files);
+
+/// The same for a file that was written somewhere: only if that is in the run's folder, and if the run still verifies.
+/// `folder` empty: there is no kept run.
+tl::expected<void, std::string> add_if_inside(const std::string& folder, const std::string& file);
+
+/// Whether this file is one of a kept run's own, to which no hash of a later file may be given: it was there when the
+/// run ended. `folder` empty: there is no kept run.
+bool is_of_run(const std::string& folder, const std::string& file);
+
+/// The files that an experiment's text, with --set, names: calibrations, robots, trajectories, those of its own
+/// controller.
+std::vector<std::string> files_named_by(const std::string& text, const std::vector<std::string>& sets,
+                                        const Experiment& experiment);
 
 /// The experiment's keys as `skein runs find` knows them: "controller.v_max" and the like with the value of this
 /// experiment, the coupling gains (the largest of all pairs), the number of robots. Values are as in a file; keys at

@@ -443,6 +443,54 @@ TEST_F(Mistakes, CheckSaysWhichCertificateFailed) {
   EXPECT_THAT(said, IsEmpty());
 }
 
+/// --force is for an earlier page or table: the record is what both are made from.
+TEST_F(Mistakes, NoRecordIsReplacedByWhatIsMadeOfIt) {
+  EXPECT_EQ(shell("$skein run e.toml --set duration=1 --csv run.csv --quiet && ln -s run.csv link"), 0) << said;
+  const std::string record = read("run.csv");
+  for (const char* words : {"export run.csv --to csv --out run.csv", "export run.csv --to mat --out ./link",
+                            "report run.csv --html --out run.csv"}) {
+    EXPECT_EQ(shell(std::string("$skein ") + words + " --force"), 2) << words;
+    EXPECT_THAT(said, HasSubstr(": is the record that is to be converted, allowed: another name"));
+    EXPECT_EQ(read("run.csv"), record) << words;
+  }
+}
+
+TEST_F(Mistakes, WhatARunIsReadFromIsNotWrittenOver) {
+  const std::string way = "t,x,y\n0,0,0\n1,0.02,0\n2,0.05,0\n3,0.08,0\n", experiment = read("e.toml");
+  write("way.csv", way);
+  write("t.toml", "duration = 1\n[reference]\nkind = \"independent\"\n[[robot]]\ntrajectory = { csv = \"way.csv\" }\n");
+  EXPECT_EQ(shell("$skein run t.toml --csv ./way.csv --force"), 2);
+  EXPECT_THAT(said, HasSubstr("./way.csv: is a file that the run is read from, allowed: another file"));
+  EXPECT_EQ(read("way.csv"), way);
+  write("robots.toml", "[[robot]]\nname = \"anna\"\nlink = \"serial:/dev/nowhere\"\nmodel = \"epuck2\"\n");
+  EXPECT_EQ(shell("$skein run e.toml --set robots_file=robots.toml --csv robots.toml --force"), 2);
+  EXPECT_THAT(said, HasSubstr("robots.toml: is a file that the run is read from"));
+  EXPECT_EQ(shell("$skein run e.toml --set camera.source=synthetic --video e.toml --force"), 2);
+  EXPECT_THAT(said, HasSubstr("e.toml: is a file that the run is read from"));
+  EXPECT_EQ(read("e.toml"), experiment);
+  EXPECT_EQ(shell("$skein run t.toml --csv other.csv --quiet && $skein run t.toml --csv other.csv --force --quiet"), 0)
+      << said;
+}
+
+TEST_F(Mistakes, APageBesideTheRecordOfAKeptRunBelongsToIt) {
+  EXPECT_EQ(shell("$skein run e.toml --set duration=1 --quiet --keep --runs-dir runs && mv runs/2* a"), 0) << said;
+  EXPECT_EQ(shell("cd a && $skein report . --html && $skein export . --to mat"), 0) << said;
+  EXPECT_TRUE(exists("a/a.html"));
+  EXPECT_EQ(shell("$skein runs verify a"), 0) << out;
+  EXPECT_EQ(shell("$skein report a --html --out a/a.html --force && $skein runs verify a"), 0) << said << out;
+  for (const char* own : {"experiment.toml", "run.json", "summary.json"}) {
+    const std::string before = read(std::string("a/") + own);
+    for (const char* words : {"report a --html", "export a --to csv"}) {
+      EXPECT_EQ(shell(std::string("$skein ") + words + " --force --out a/" + own), 2) << words;
+      EXPECT_THAT(said, HasSubstr(std::string("a/") + own + ": is a file of the kept run, allowed: another name"));
+    }
+    EXPECT_EQ(read(std::string("a/") + own), before);
+  }
+  EXPECT_EQ(shell("sed -i s/platoon/lemon/ a/run.json; $skein report a --html --out a/a.html --force"), 0) << said;
+  EXPECT_EQ(shell("$skein runs verify a"), 1) << "a new hash must not hide what was changed";
+  EXPECT_THAT(out, HasSubstr("story: FAILS"));
+}
+
 TEST_F(Mistakes, ASimulationWithoutNoiseIsNotAccused) {
   EXPECT_EQ(shell("$skein run e.toml --csv run.csv --quiet && $skein identify run.csv"), 0) << said << out;
   EXPECT_THAT(said, Not(HasSubstr("correlated")));
