@@ -5,6 +5,10 @@
 #include <string>
 #include <vector>
 
+#include <tl/expected.hpp>
+
+#include "app/tools/study.h"
+
 namespace CLI {
 class App;
 }
@@ -39,6 +43,10 @@ struct TuneRequest {
 };
 /// Searches for gains. See tune.h. `expectation_failed` if there is no front.
 int tune(const TuneRequest& request);
+
+/// Whether a table of results can be written to this path, which may be empty: an hour's work must not end with a file
+/// that cannot be written. What is there stays until then; the study and its experiment are no such files.
+tl::expected<void, std::string> check_table(const std::string& path, const Study& study);
 
 /// How many threads can work at once: a job scheduler may have given this process fewer cores than the machine has.
 unsigned usable_cores();

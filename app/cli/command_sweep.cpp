@@ -3,12 +3,15 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <thread>
 
 #include "app/cli/command_line_studies.h"
+#include "app/cli/same_file.h"
 #include "app/cli/shell_word.h"
 #include "app/record/report.h"
 #include "app/run/exit_status.h"
@@ -66,6 +69,23 @@ std::string run_command(const Study& study, std::uint64_t seed) {
 
 }  // namespace
 
+tl::expected<void, std::string> check_table(const std::string& path, const Study& study) {
+  if (path.empty()) return {};
+  for (const std::string& input : {study.file, study.experiment})
+    if (same_file(path, input))
+      return tl::unexpected(fmt::format("{}: is a file that the study is read from, allowed: another name", path));
+  std::error_code unknown;
+  const std::filesystem::file_status there = std::filesystem::status(path, unknown);
+  const bool is_new = !std::filesystem::exists(there);
+  // Whoever reads from a FIFO would take the end of a test for the end of the table.
+  if (!is_new && !std::filesystem::is_regular_file(there) && !std::filesystem::is_directory(there)) return {};
+  errno = 0;
+  if (!std::ofstream(path, std::ios::binary | std::ios::app))
+    return tl::unexpected(fmt::format("{}: cannot be written: {}", path, std::strerror(errno)));
+  if (is_new) std::filesystem::remove(std::filesystem::canonical(path, unknown), unknown);  // a link to it stays
+  return {};
+}
+
 unsigned usable_cores() {
   cpu_set_t cores;
   CPU_ZERO(&cores);
@@ -101,7 +121,13 @@ int sweep(const SweepRequest& request) {
       if (!request.quiet) fmt::print("part: {} of {}\nkept: {} (already there)\n", part.index, part.of, shown(file));
       return done;
     }
+    std::error_code error;
+    std::filesystem::create_directories(request.into, error);
+    // Not the part's own name: another process may be making the same part.
+    if (const auto possible = check_table(fmt::format("{}.{}.draft", file, getpid()), *study); !possible)
+      return complain(possible.error()), wrong_input;
   }
+  if (const auto possible = check_table(request.csv, *study); !possible) return complain(possible.error()), wrong_input;
 
   const bool live = !request.quiet && isatty(STDERR_FILENO) != 0;
   const std::int64_t runs = (study->runs - part.index + part.of) / part.of;

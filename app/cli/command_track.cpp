@@ -4,15 +4,20 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <chrono>
 #include <cstdio>
+#include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <string>
 #include <utility>
 
 #include "app/calibration/calibration_file.h"
 #include "app/cli/command_calibrate.h"
 #include "app/cli/commands.h"
+#include "app/cli/same_file.h"
 #include "app/run/clocks.h"
 #include "app/run/exit_status.h"
 #include "app/run/histogram.h"
@@ -27,6 +32,33 @@
 
 namespace skein::app {
 namespace {
+
+/// A file that is emptied by the first byte that comes: a camera that is not there costs nobody an older table.
+class ReplacingFile final : public std::filebuf {
+ public:
+  bool open_for(const std::string& path) {
+    path_ = path;
+    return open(path, std::ios::out | std::ios::app | std::ios::binary) != nullptr;
+  }
+
+ protected:
+  std::streamsize xsputn(const char* text, std::streamsize size) override {
+    make_empty();
+    return std::filebuf::xsputn(text, size);
+  }
+  int_type overflow(int_type byte) override {
+    make_empty();
+    return std::filebuf::overflow(byte);
+  }
+
+ private:
+  void make_empty() {
+    if (std::error_code a_device_stays; !std::exchange(emptied_, true))
+      std::filesystem::resize_file(path_, 0, a_device_stays);
+  }
+  std::string path_;
+  bool emptied_ = false;
+};
 
 /// "" and the calibration in `options`, or what is wrong with it. A film that Skein has recorded brings its own.
 std::string read_calibration(const TrackRequest& request, vision::TrackOptions& options) {
@@ -154,11 +186,17 @@ int track(const TrackRequest& request) {
     complain(fmt::format("{} has no world frame, which --tracker needs: skein calibrate floor", request.camera));
     return wrong_input;
   }
-  std::ofstream file;
+  ReplacingFile replacing;
+  std::ostream file(&replacing);
   if (!request.csv.empty()) {
-    file.open(request.csv, std::ios::binary | std::ios::trunc);
-    if (!file) {
-      complain(fmt::format("{}: cannot be written", request.csv));
+    for (const std::string& input : {request.camera, request.source.substr(request.source.find(':') + 1)})
+      if (same_file(request.csv, input)) {
+        complain(fmt::format("{}: is a file that is read, allowed: another name", request.csv));
+        return wrong_input;
+      }
+    errno = 0;
+    if (!replacing.open_for(request.csv)) {
+      complain(fmt::format("{}: cannot be written: {}", request.csv, std::strerror(errno)));
       return wrong_input;
     }
   }

@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <string>
 
 #include "app/cli/command_line_studies.h"
 #include "app/record/gnuplot.h"
@@ -31,11 +32,11 @@ int tune(const TuneRequest& request) {
   // An hour's work must not end with a file that cannot be written.
   if (!request.report.empty())
     if (const auto possible = check_report(request.report); !possible) return complain(possible.error()), wrong_input;
-  if (!request.save.empty() && std::filesystem::exists(request.save))
+  std::error_code unknown;
+  if (!request.save.empty() && std::filesystem::exists(request.save, unknown))
     return complain(fmt::format("--save {}: there is such a file: name a new one", request.save)), wrong_input;
   for (const std::string& path : {request.save, request.csv})
-    if (!path.empty())
-      if (const auto possible = write_file(path, ""); !possible) return complain(possible.error()), wrong_input;
+    if (const auto possible = check_table(path, *study); !possible) return complain(possible.error()), wrong_input;
 
   const bool shown = !request.quiet && isatty(STDERR_FILENO) != 0;
   std::int64_t told = 0;
@@ -46,32 +47,32 @@ int tune(const TuneRequest& request) {
   };
   const auto tuned = tune(*study, request.threads > 0 ? request.threads : usable_cores(), progress);
   if (shown) print_error_as_is("\r\033[K");
-  const auto give_up = [&](const std::string& why, int status) {
-    if (std::error_code ignored; !request.save.empty()) std::filesystem::remove(request.save, ignored);
-    return complain(why), status;
-  };
-  if (!tuned)
-    return give_up(fmt::format("{}: {}", request.file, tuned.error()),
-                   interrupted() ? expectation_failed : wrong_input);
+  if (!tuned) {
+    complain(fmt::format("{}: {}", request.file, tuned.error()));
+    return interrupted() ? expectation_failed : wrong_input;
+  }
 
-  if (!request.csv.empty())
-    if (const auto done = write_file(request.csv, as_csv(*study, *tuned)); !done)
-      return give_up(done.error(), wrong_input);
-  if (!request.report.empty())
-    if (const auto done = write_front(request.report, *study, *tuned); !done) return give_up(done.error(), wrong_input);
+  // The results first: they are there also where one of the files cannot be written or the figure cannot be drawn.
+  int status = tuned->front.empty() ? expectation_failed : done;
+  const auto note = [&](const tl::expected<void, std::string>& written) {
+    if (written) return;
+    complain(written.error());
+    status = wrong_input;
+  };
   if (!request.quiet)
     print_out(
         fmt::format("study: {}\nexperiment: {}\nruns: {}\ncandidates: {}\nuncertified: {}\nunaffordable: {}\n"
                     "front: {} points\n\n{}verdict: {}\n",
                     study->name, study->experiment, tuned->runs, tuned->candidates, tuned->uncertified,
                     tuned->unaffordable, tuned->front.size(), as_table(*study, *tuned), verdict(*tuned)));
-  if (tuned->front.empty()) return give_up(verdict(*tuned), expectation_failed);
-  if (!request.save.empty()) {
-    const auto text = experiment_with(*study, tuned->front[tuned->chosen]);
-    if (!text) return give_up(text.error(), wrong_input);
-    if (const auto done = write_file(request.save, *text); !done) return give_up(done.error(), wrong_input);
-  }
-  return done;
+  if (tuned->front.empty()) complain(verdict(*tuned));
+  if (!request.csv.empty()) note(write_file(request.csv, as_csv(*study, *tuned)));
+  if (!request.save.empty() && !tuned->front.empty())
+    note(experiment_with(*study, tuned->front[tuned->chosen]).and_then([&](const std::string& text) {
+      return write_file(request.save, text);
+    }));
+  if (!request.report.empty()) note(write_front(request.report, *study, *tuned));
+  return status;
 }
 
 }  // namespace skein::app

@@ -311,7 +311,10 @@ tl::expected<void, std::string> save_part(const std::string& directory, const St
 tl::expected<Outcomes, std::string> load_part(const std::string& directory, const Study& study, const Part& part) {
   const std::string path = part_file(directory, part);
   const auto text = read_text(path);
-  if (!text) return tl::unexpected(fs::exists(path) ? text.error().front().message() : std::string("it is not there"));
+  std::error_code unknown;  // neither there nor not there, such as a name that is too long
+  if (!text)
+    return tl::unexpected(fs::exists(path, unknown) || unknown ? text.error().front().message()
+                                                               : std::string("it is not there"));
   const std::string expected = head(study, part);
   if (!text->starts_with(expected))
     return tl::unexpected(

@@ -443,6 +443,45 @@ TEST_F(Mistakes, CheckSaysWhichCertificateFailed) {
   EXPECT_THAT(said, IsEmpty());
 }
 
+/// Hours of work must neither end with a file that cannot be written nor begin by emptying an older one.
+TEST_F(Mistakes, WhereResultsGoIsCheckedBeforeTheWorkAndLosesNothing) {
+  study("[hand]\nt = 1\n[tune.search]\n\"controller.k_y\" = [4, 5]\n");
+  const std::string text = read("s.toml"), experiment = read("e.toml");
+  const std::string endless = " --runs 10000000 --quiet";  // of which none is driven
+  EXPECT_EQ(shell("$skein sweep s.toml --csv nowhere/rows.csv" + endless), 2);
+  EXPECT_THAT(said, HasSubstr("nowhere/rows.csv: cannot be written: No such file or directory"));
+  EXPECT_EQ(shell("$skein sweep s.toml --part 1/2 --into /proc/nowhere" + endless), 2);
+  EXPECT_THAT(said, HasSubstr("/proc/nowhere/part-1-of-2.csv"));
+  for (const char* command : {"sweep", "tune"})
+    for (const char* file : {"s.toml", "./e.toml"}) {
+      EXPECT_EQ(shell(std::string("$skein ") + command + " s.toml --csv " + file + endless), 2) << command << out;
+      EXPECT_THAT(said,
+                  HasSubstr(std::string(file) + ": is a file that the study is read from, allowed: another name"));
+    }
+  EXPECT_EQ(read("s.toml"), text);
+  EXPECT_EQ(read("e.toml"), experiment);
+  write("old.csv", "an earlier front\n");
+  EXPECT_EQ(shell("$skein tune s.toml --csv old.csv --set duration=2 --runs 1 --quiet"), 2) << "no kick settles";
+  EXPECT_THAT(said, HasSubstr("there is nothing to compare with"));
+  EXPECT_EQ(read("old.csv"), "an earlier front\n");
+  EXPECT_EQ(shell("$skein tune s.toml --csv new.csv --save new.toml --set duration=2 --runs 1 --quiet"), 2);
+  EXPECT_FALSE(exists("new.csv") || exists("new.toml")) << "nothing is left behind";
+  EXPECT_EQ(shell("mkdir big && ln -s big/front.csv link.csv && "
+                  "$skein tune s.toml --csv link.csv --set duration=2 --runs 1 --quiet"),
+            2);
+  EXPECT_TRUE(std::filesystem::is_symlink(folder_ / "link.csv") && !exists("big/front.csv")) << "the link stays";
+}
+
+TEST_F(Mistakes, ANameThatIsTooLongIsSaidToBe) {
+  study("[hand]\nt = 1\n[tune.search]\n\"controller.k_y\" = [4, 5]\n");
+  const std::string name(300, 'n');
+  for (const std::string& words : {"sweep s.toml --part 1/2 --into " + name, "sweep s.toml --merge " + name,
+                                   "sweep s.toml --csv " + name, "tune s.toml --save " + name}) {
+    EXPECT_EQ(shell("$skein " + words), 2) << words;
+    EXPECT_THAT(said, AllOf(HasSubstr("File name too long"), Not(HasSubstr("filesystem error")))) << words;
+  }
+}
+
 /// --force is for an earlier page or table: the record is what both are made from.
 TEST_F(Mistakes, NoRecordIsReplacedByWhatIsMadeOfIt) {
   EXPECT_EQ(shell("$skein run e.toml --set duration=1 --csv run.csv --quiet && ln -s run.csv link"), 0) << said;
@@ -470,6 +509,22 @@ TEST_F(Mistakes, WhatARunIsReadFromIsNotWrittenOver) {
   EXPECT_EQ(read("e.toml"), experiment);
   EXPECT_EQ(shell("$skein run t.toml --csv other.csv --quiet && $skein run t.toml --csv other.csv --force --quiet"), 0)
       << said;
+}
+
+TEST_F(Mistakes, ACameraThatIsNotThereCostsNoOlderTable) {
+  write("tags.csv", "an earlier table\n");
+  EXPECT_EQ(shell("$skein track v4l2:/dev/nowhere --csv tags.csv"), 3);
+  EXPECT_EQ(read("tags.csv"), "an earlier table\n");
+  EXPECT_EQ(shell("cp '" + skein::test::in_source("resources/cameras/overhead.toml") +
+                  "' cal.toml; $skein track images:. --camera cal.toml --csv cal.toml"),
+            2);
+  EXPECT_THAT(said, HasSubstr("cal.toml: is a file that is read, allowed: another name"));
+  EXPECT_THAT(read("cal.toml"), HasSubstr("[camera"));
+  EXPECT_EQ(shell("mkdir pictures && printf 'P5 64 64 255\n' > pictures/a.pgm && head -c 4096 /dev/zero >> "
+                  "pictures/a.pgm && $skein track images:pictures --csv tags.csv"),
+            0)
+      << said;
+  EXPECT_THAT(read("tags.csv"), testing::StartsWith("frame,source,t,tag,")) << "it is replaced by what comes";
 }
 
 TEST_F(Mistakes, APageBesideTheRecordOfAKeptRunBelongsToIt) {
