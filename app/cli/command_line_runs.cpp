@@ -115,6 +115,13 @@ void RunCommands::add_to(CLI::App& program) {
   add_runs_directory(*export_kept_, export_request_.directory);
 }
 
+bool RunCommands::may_be_ended() const {
+  for (const CLI::App* const command :
+       {export_, export_kept_, report_, identify_, list_, show_, find_, compare_, verify_})
+    if (*command) return true;
+  return false;
+}
+
 std::optional<int> RunCommands::run() {
   if (*export_ || *export_kept_) {
     export_request_.options.format = core::from_word<ExportFormat>(format_).value();

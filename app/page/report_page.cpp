@@ -1,6 +1,7 @@
 #include "app/page/report_page.h"
 
 #include <fmt/format.h>
+#include <signal.h>
 #include <stdlib.h>
 
 #include <algorithm>
@@ -126,22 +127,28 @@ class Film {
   std::vector<std::string> frames_;
 };
 
-/// A folder for gnuplot, gone afterwards.
+/// A folder for gnuplot, gone afterwards: signals that end the program wait for that.
 class Workshop {
  public:
   Workshop() {
+    sigset_t endings;
+    sigemptyset(&endings);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&endings, signal);
+    pthread_sigmask(SIG_BLOCK, &endings, &before_);
     std::string name = (fs::temp_directory_path() / "skein-page-XXXXXX").string();
     if (::mkdtemp(name.data())) path_ = name;
   }
   ~Workshop() {
     std::error_code ignored;
     if (!path_.empty()) fs::remove_all(path_, ignored);
+    pthread_sigmask(SIG_SETMASK, &before_, nullptr);
   }
   Workshop(const Workshop&) = delete;
   Workshop& operator=(const Workshop&) = delete;
   const fs::path& path() const noexcept { return path_; }
 
  private:
+  sigset_t before_{};
   fs::path path_;
 };
 

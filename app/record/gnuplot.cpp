@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <signal.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -36,8 +37,15 @@ Done gnuplot(const std::string& directory, const char* argument) {
   posix_spawn_file_actions_adddup2(&actions, errors[1], STDERR_FILENO);
   std::string program = "gnuplot", script = argument;
   std::array<char*, 3> arguments{program.data(), script.data(), nullptr};
+  posix_spawnattr_t attributes;  // Ctrl-C ends it also where this thread has blocked signals
+  posix_spawnattr_init(&attributes);
+  sigset_t none;
+  sigemptyset(&none);
+  posix_spawnattr_setsigmask(&attributes, &none);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
   pid_t child = 0;
-  const int failed = posix_spawnp(&child, program.c_str(), &actions, nullptr, arguments.data(), environ);
+  const int failed = posix_spawnp(&child, program.c_str(), &actions, &attributes, arguments.data(), environ);
+  posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   close(errors[1]);
 

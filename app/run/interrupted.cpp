@@ -4,6 +4,7 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <csignal>
 
@@ -11,6 +12,9 @@ namespace skein::app {
 namespace {
 
 std::atomic<bool> interrupted_flag{false};
+
+/// The end of the terminal and whatever else would end the program without a word is SIGTERM.
+constexpr std::array endings{SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGPROF, SIGXCPU, SIGPOLL};
 
 void on_signal(int) {
   interrupted_flag.store(true);
@@ -21,9 +25,7 @@ void on_signal(int) {
 void catch_interrupts() noexcept {
   struct sigaction action {};
   action.sa_handler = on_signal;
-  // The end of the terminal and whatever else would end the program without a word is SIGTERM.
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGPROF, SIGXCPU, SIGPOLL})
-    ::sigaction(signal, &action, nullptr);
+  for (const int signal : endings) ::sigaction(signal, &action, nullptr);
   // A reader of our output that has gone, a file that has grown too large, a terminal that blocks writing from the
   // background: these are errors of writing; they neither end nor block a run.
   for (const int signal : {SIGPIPE, SIGXFSZ, SIGTTOU, SIGTTIN}) std::signal(signal, SIG_IGN);
@@ -31,6 +33,11 @@ void catch_interrupts() noexcept {
   sigset_t all;
   sigfillset(&all);
   ::sigprocmask(SIG_UNBLOCK, &all, nullptr);
+}
+
+void end_by_interrupts() noexcept {
+  for (const int signal : endings) std::signal(signal, SIG_DFL);
+  if (interrupted()) std::raise(SIGTERM);  // it has come already
 }
 
 bool interrupt_when_closed(int pipe) noexcept {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <spawn.h>
+#include <sys/ioctl.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -582,6 +583,30 @@ TEST(CommandLine, BenchmarksAreAProgramOfTheirOwn) {
   EXPECT_EQ(r.status, 0) << r.err;
   EXPECT_TRUE(has(r.out, "tick (n = 4)")) << r.out;
   EXPECT_EQ(skein({"bench", "nothing"}).status, 2);
+}
+
+/// What drives nothing and leaves nothing half done ends at once: reading a long run takes minutes.
+TEST(CommandLine, ACommandThatOnlyReadsIsEndedBySignals) {
+  Folder folder;
+  std::filesystem::create_directory(folder / "run");
+  std::ofstream(folder / "run/run.json") << R"({"name":")" << std::string(200'000, 'x') << "\"}";
+  const std::string fifo = folder / "fifo";
+  ASSERT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const int unread = ::open(fifo.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
+    ASSERT_GE(unread, 0);
+    Program program({"runs", "show", folder / "run"}, fifo.c_str());
+    EXPECT_TRUE(skein::test::eventually(
+        [&] {
+          int bytes = 0;
+          return ::ioctl(unread, FIONREAD, &bytes) == 0 && bytes >= 65536;
+        },
+        std::chrono::seconds(60)))
+        << "it waits for a reader";
+    program.send(signal);
+    EXPECT_EQ(program.wait(), 128 + signal);
+    ::close(unread);
+  }
 }
 
 class Signal : public testing::TestWithParam<int> {};

@@ -1,5 +1,6 @@
 // Mistakes of a command line and of a study: each is refused before any work is done, with a sentence.
 #include <gmock/gmock.h>
+#include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -544,6 +545,17 @@ TEST_F(Mistakes, APageBesideTheRecordOfAKeptRunBelongsToIt) {
   EXPECT_EQ(shell("sed -i s/platoon/lemon/ a/run.json; $skein report a --html --out a/a.html --force"), 0) << said;
   EXPECT_EQ(shell("$skein runs verify a"), 1) << "a new hash must not hide what was changed";
   EXPECT_THAT(out, HasSubstr("story: FAILS"));
+}
+
+TEST_F(Mistakes, APageThatIsInterruptedLeavesNothing) {
+  EXPECT_EQ(shell("$skein run e.toml --set duration=1 --csv run.csv --quiet && mkdir tmp bin"), 0) << said;
+  for (const char* signal : {"INT", "TERM"}) {
+    write("bin/gnuplot", "#!/bin/sh\n[ \"$1\" = --version ] || kill -" + std::string(signal) + " $PPID\n");
+    const int status = shell("chmod +x bin/gnuplot; TMPDIR=$PWD/tmp PATH=$PWD/bin:$PATH $skein report run.csv --html");
+    EXPECT_EQ(status, 128 + (signal == std::string("INT") ? SIGINT : SIGTERM)) << said;
+    EXPECT_TRUE(std::filesystem::is_empty(folder_ / "tmp"));
+    EXPECT_FALSE(exists("run.html"));
+  }
 }
 
 TEST_F(Mistakes, ASimulationWithoutNoiseIsNotAccused) {
