@@ -15,6 +15,7 @@
 #include "app/embedded/embedded.h"
 #include "app/record/csv_reader.h"
 #include "app/record/gnuplot.h"
+#include "core/estimation/statistics.h"
 #include "core/simulation/simulated_robot.h"
 
 namespace skein::app {
@@ -211,6 +212,11 @@ void append(std::vector<RobotHistory>& robots, std::vector<RobotHistory> more) {
     }
     core::IdentificationInput& all = same->input;
     core::IdentificationInput& later = next.input;
+    if (same->each.empty()) same->each.push_back(all);
+    same->each.push_back(later);
+    // Knots are in steps: those of the earlier runs in the steps of the newest drive.
+    const double steps = later.believed.steps_per_turn / all.believed.steps_per_turn;
+    for (core::WheelKnot& knot : all.wheels) knot.left *= steps, knot.right *= steps;
     const auto first_time = [](const core::IdentificationInput& input) {
       return std::min(input.poses.front().t, input.wheels.empty() ? input.poses.front().t : input.wheels.front().t);
     };
@@ -232,6 +238,30 @@ void append(std::vector<RobotHistory>& robots, std::vector<RobotHistory> more) {
   }
 }
 
+/// Runs of another robot with the same name or tag: the values that such a run alone gives are far from those of all,
+/// as measured by what is not known of both: a run without noise seems to know its own to the last digit.
+std::vector<OtherRobot> other_robots(const RobotHistory& history, const core::Identification& together) {
+  constexpr double far = 4.0, widths_per_sigma = 2.0 * core::z_95;
+  std::vector<OtherRobot> others;
+  for (std::size_t run = 0; run < history.each.size() && together.converged; ++run) {
+    const core::Identification alone = core::identify(history.each[run]);
+    if (!alone.converged) continue;
+    double farthest = far;
+    std::optional<OtherRobot> other;
+    const auto compare = [&](std::string_view value, const core::Estimate& a, const core::Estimate& b) {
+      const double sigma = std::hypot(a.high - a.low, b.high - b.low) / widths_per_sigma;
+      if (const double distance = std::abs(a.value - b.value) / sigma; a.known && distance > farthest)
+        farthest = distance, other = {run, value, a, b};
+    };
+    compare("wheel_diameter", alone.wheel_diameter, together.wheel_diameter);
+    compare("wheel_ratio", alone.wheel_ratio, together.wheel_ratio);
+    for (const Unknown unknown : {Unknown::track, Unknown::delay})
+      compare(word(unknown), alone[unknown], together[unknown]);
+    if (other) others.push_back(*other);
+  }
+  return others;
+}
+
 std::vector<IdentifiedRobot> identify_robots(std::vector<RobotHistory> robots) {
   std::vector<IdentifiedRobot> all(robots.size());
   const std::size_t threads = std::max(1U, std::thread::hardware_concurrency());
@@ -241,6 +271,7 @@ std::vector<IdentifiedRobot> identify_robots(std::vector<RobotHistory> robots) {
       for (std::size_t i = thread; i < robots.size(); i += threads) {
         all[i].history = std::move(robots[i]);
         all[i].found = core::identify(all[i].history.input);
+        all[i].others = other_robots(all[i].history, all[i].found);
         all[i].persistence = largest_persistence(all[i].found.innovations);
         all[i].outliers =
             static_cast<std::size_t>(std::count_if(all[i].found.innovations.begin(), all[i].found.innovations.end(),
@@ -289,6 +320,12 @@ std::vector<std::string> doubts(const IdentifiedRobot& robot) {
                             : fmt::format("it never drove, in {} poses: nothing can be identified", poses));
     return sentences;
   }
+  for (const OtherRobot& other : robot.others)
+    sentences.push_back(fmt::format(
+        "run {} of {} alone gives {} {:.5g} ({:.5g} to {:.5g}), all together {:.5g}: is it another robot with "
+        "the same name or tag, or was something changed? Identify its runs by themselves; nothing is saved",
+        other.run + 1, robot.history.runs, other.value, other.alone.value, other.alone.low, other.alone.high,
+        other.together.value));
   const auto interval = [](const core::Estimate& e) { return fmt::format("{:.3g} to {:.3g}", e.low, e.high); };
   if (!found.wheel_diameter.known)
     sentences.push_back(
@@ -319,7 +356,7 @@ std::vector<std::string> doubts(const IdentifiedRobot& robot) {
 
 std::vector<std::pair<std::string, std::string>> values_to_keep(const IdentifiedRobot& robot) {
   std::vector<std::pair<std::string, std::string>> values;
-  if (stood(robot)) return values;
+  if (stood(robot) || !robot.others.empty()) return values;
   const core::Identification& found = robot.found;
   const core::DifferentialDrive drive = found.drive(robot.history.input.believed);
   const auto keep = [&](const char* key, const core::Estimate& estimate, const std::string& value) {

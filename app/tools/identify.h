@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -21,7 +22,9 @@ struct RobotHistory {
   std::string name;                 ///< its name in messages
   RobotSpec spec;                   ///< as its newest run had it
   core::IdentificationInput input;  ///< `believed` is the newest run's
-  double believed_delay = 0.0;      ///< mean actuation delay assumed in its newest run [s]
+  /// Of each run alone, in the order of the runs; empty: there is only one.
+  std::vector<core::IdentificationInput> each{};
+  double believed_delay = 0.0;  ///< mean actuation delay assumed in its newest run [s]
   std::size_t runs = 0;
   std::size_t carried = 0;  ///< how often it was moved by hand, kicked, or between two runs
 };
@@ -77,6 +80,13 @@ bool same_run(const std::vector<RobotHistory>& a, const std::vector<RobotHistory
 /// Appends the histories of a later run to those of the same robots; new robots come last.
 void append(std::vector<RobotHistory>& robots, std::vector<RobotHistory> more);
 
+/// What one of several runs gives alone, where that cannot be the same robot as in all runs together.
+struct OtherRobot {
+  std::size_t run = 0;     ///< from 0
+  std::string_view value;  ///< its name, such as wheel_ratio
+  core::Estimate alone, together;
+};
+
 struct IdentifiedRobot {
   RobotHistory history;
   core::Identification found;
@@ -84,6 +94,7 @@ struct IdentifiedRobot {
   /// complete.
   double persistence = 0.0;
   std::size_t outliers = 0;
+  std::vector<OtherRobot> others;  ///< at most one of each run
 };
 
 /// All of them, each on a thread of its own as long as there are cores.

@@ -24,9 +24,11 @@ using core::Estimate;
 using core::Unknown;
 using test::Folder;
 using test::Rows;
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 Experiment shipped_experiment(const std::string& name, const std::vector<std::string>& sets = {}) {
   auto experiment = load_experiment(test::in_source("resources/experiments/" + name), sets);
@@ -255,6 +257,43 @@ TEST(Identify, SeveralRunsTellMoreThanOne) {
     EXPECT_NEAR(width(together[i].found[Unknown::track]) / width(alone[i].found[Unknown::track]), std::sqrt(0.5), 0.1);
     EXPECT_NEAR(together[i].found.driven / alone[i].found.driven, 2.0, 0.02);
     EXPECT_EQ(together[i].outliers, 0u) << "the way from one run to the next is nobody's";
+  }
+}
+
+/// The mean of two robots is neither of them, and its interval is as narrow as if there were one.
+TEST(Identify, NamesRunsOfAnotherRobotWithTheSameTag) {
+  auto robots = history_of(shipped_experiment("identify.toml", wrong_robots));
+  std::vector<std::string> later = wrong_robots;
+  later.emplace_back("seed=2");
+  later[2] = "robot.2.truth={wheel_diameter=0.0398, wheel_ratio=0.985, track=0.0545, actuation_delay=0.03}";
+  append(robots, history_of(shipped_experiment("identify.toml", later)));
+  const auto found = identify_robots(std::move(robots));
+  EXPECT_THAT(doubts(found[1]), ::testing::Contains(AllOf(HasSubstr("run 2 of 2 alone gives wheel_ratio 0.98"),
+                                                          HasSubstr("another robot with the same name or tag"))));
+  EXPECT_THAT(values_to_keep(found[1]), IsEmpty());
+  for (const std::size_t same : {0, 2, 3}) {
+    EXPECT_THAT(doubts(found[same]), IsEmpty()) << same;
+    EXPECT_THAT(values_to_keep(found[same]), Not(IsEmpty())) << same;
+  }
+}
+
+TEST(Identify, RunsInOtherStepsAreOneRobotAllTheSame) {
+  auto robots = history_of(shipped_experiment("identify.toml", wrong_robots));
+  auto finer = robots;
+  for (RobotHistory& robot : finer) {
+    robot.input.believed.steps_per_turn *= 2.0;
+    for (core::WheelKnot& knot : robot.input.wheels) knot.left *= 2.0, knot.right *= 2.0;
+  }
+  append(robots, finer);
+  for (const IdentifiedRobot& robot : identify_robots(std::move(robots))) EXPECT_THAT(doubts(robot), IsEmpty());
+}
+
+TEST(Identify, ARunWithoutNoiseIsNotSaidToBeOfAnotherRobot) {
+  auto robots = history_of(shipped_experiment("identify.toml"));
+  append(robots, history_of(shipped_experiment("platoon.toml")));
+  for (const IdentifiedRobot& robot : identify_robots(std::move(robots))) {
+    EXPECT_EQ(robot.history.runs, 2u);
+    EXPECT_THAT(robot.others, IsEmpty());
   }
 }
 
