@@ -95,13 +95,26 @@ tl::expected<std::string, std::string> folder_of(const std::string& run, const R
   });
 }
 
-/// All that a run's story says, flat, without its files.
+/// A folder by the one name that it has, whichever way it was named.
+std::string plain_path(const std::string& folder) {
+  std::error_code error;
+  const std::filesystem::path plain = std::filesystem::canonical(folder, error);
+  return error ? folder : plain.string();
+}
+
+/// All that a run's story says, flat, without its files. Its id is the folder's name, as in the index: a folder may
+/// have been given another one.
+Facts facts_of(const nlohmann::ordered_json& story, const std::string& folder) {
+  Facts facts = run_facts(story);
+  facts["id"] = std::filesystem::path(plain_path(folder)).filename().string();
+  return facts;
+}
 tl::expected<Facts, std::string> facts_of(const std::string& run, const RunsRequest& request) {
   const auto folder = folder_of(run, request);
   if (!folder) return tl::unexpected(folder.error());
   const auto story = read_story(*folder);
   if (!story) return tl::unexpected(story.error());
-  return run_facts(*story);
+  return facts_of(*story, *folder);
 }
 
 /// Adds what the experiments of two runs say otherwise, also where it is no fact of a run: kicks, paths, robots.
@@ -124,13 +137,6 @@ tl::expected<void, std::string> add_differences(const std::string& run_a, Facts&
   add(a, texts[1], texts[0]);
   add(b, texts[0], texts[1]);
   return {};
-}
-
-/// A folder by the one name that it has, whichever way it was named.
-std::string plain_path(const std::string& folder) {
-  std::error_code error;
-  const std::filesystem::path plain = std::filesystem::canonical(folder, error);
-  return error ? folder : plain.string();
 }
 
 void keep_newest(std::vector<RunIndex::Run>& runs, std::size_t newest) {
@@ -180,7 +186,8 @@ int show_run(const RunsRequest& request) {
     return done;
   }
   std::string out = fmt::format("folder: {}\n", shown(*folder));
-  for (const auto& [key, value] : run_facts(*story)) out += fmt::format("{}: {}\n", shown(key), shown(text(value)));
+  for (const auto& [key, value] : facts_of(*story, *folder))
+    out += fmt::format("{}: {}\n", shown(key), shown(text(value)));
   if (const auto sets = story->find("sets"); sets != story->end() && sets->is_array())
     for (const auto& set : *sets)
       if (set.is_string()) out += fmt::format("set: {}\n", shown(set.get<std::string>()));

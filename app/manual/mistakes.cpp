@@ -108,6 +108,8 @@ std::string what_is_wrong(const CLI::App& program, const CLI::ParseError& error)
   };
   if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) return line(unexpected(program, *command));
   if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr) {
+    if (text == "A subcommand is required" && !program.remaining(true).empty())
+      return line(unexpected(program, *command));
     if (text == "A subcommand is required")
       return line(fmt::format("found no command, allowed: {}", fmt::join(names_of_commands(*command), ", ")));
     const std::string missing = text.substr(0, text.find(" is required"));

@@ -1,6 +1,7 @@
 #include "app/run/output.h"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -116,7 +117,11 @@ void print_error_as_is(std::string_view text, double patience) noexcept {
 int output_error() noexcept {
   int error = stream(STDOUT_FILENO).error();
   if (error == 0 && std::fflush(stdout) != 0) error = errno;  // some is printed through the C library
-  if (error == 0 && std::ferror(stdout) != 0) error = EIO;
+  if (error == 0 && std::ferror(stdout) != 0) {
+    // An earlier one, whose reason nobody kept; but a reader that has gone is still gone.
+    pollfd out{STDOUT_FILENO, 0, 0};
+    error = ::poll(&out, 1, 0) > 0 && (out.revents & POLLERR) != 0 ? EPIPE : EIO;
+  }
   return error == EPIPE ? 0 : error;
 }
 

@@ -90,10 +90,18 @@ tl::expected<nlohmann::ordered_json, std::string> read_story(const std::string& 
     too_deep = too_deep || depth > deepest;
     return !too_deep;
   };
-  auto story = nlohmann::ordered_json::parse(*text, is_shallow, false);
-  if (!story.is_object() || too_deep)
-    return tl::unexpected(path + ": is not a JSON object, allowed: a file written by `skein run --keep`");
-  return story;
+  std::string why = "it is not a JSON object";
+  try {
+    auto story = nlohmann::ordered_json::parse(*text, is_shallow);
+    if (story.is_object() && !too_deep) return story;
+    if (too_deep) why = fmt::format("it is nested more than {} levels deep", deepest);
+  } catch (const nlohmann::json::exception& error) {  // "[json.exception...] parse error at line 3, column 7: ..."
+    constexpr std::size_t longest = 200;              // it repeats the text that it does not understand
+    why = error.what();
+    why.erase(0, why.find("] ") + 2);
+    if (why.size() > longest) why = why.substr(0, longest) + "...";
+  }
+  return tl::unexpected(fmt::format("{}: {}, allowed: a file written by `skein run --keep`", path, why));
 }
 
 std::optional<std::int64_t> began_at(const nlohmann::ordered_json& story) {
@@ -113,7 +121,12 @@ std::optional<std::int64_t> began_at(const nlohmann::ordered_json& story) {
     return {};
   const std::chrono::year_month_day date{std::chrono::year(year), std::chrono::month(static_cast<unsigned>(month)),
                                          std::chrono::day(static_cast<unsigned>(day))};
-  if (!date.ok()) return {};
+  // Nanoseconds since 1970 end in 2262. A second may be a leap second, and no zone is a day away.
+  constexpr int earliest = 1700, latest = 2200;
+  const auto within = [](auto value, auto low, auto high) { return value >= low && value <= high; };
+  if (!date.ok() || !within(year, earliest, latest) || !within(hour, 0, 23) || !within(minute, 0, 59) ||
+      !within(second, 0.0, 61.0) || !within(zone_hours, 0, 23) || !within(zone_minutes, 0, 59))
+    return {};
   const auto zone = (sign == '-' ? -1 : 1) * (std::chrono::hours(zone_hours) + std::chrono::minutes(zone_minutes));
   const auto at = std::chrono::sys_days(date) + std::chrono::hours(hour) + std::chrono::minutes(minute) - zone;
   constexpr double ms_per_second = 1e3;

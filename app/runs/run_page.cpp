@@ -56,11 +56,18 @@ tl::expected<Page, std::string> page_of_run(const std::string& csv, const std::s
   std::ifstream in(csv, std::ios::binary);
   if (!in) return tl::unexpected(fmt::format("{}: cannot be opened: {}", csv, std::strerror(errno)));
   PageOrigin origin;
-  if (!folder.empty())
-    if (const auto story = read_story(folder)) origin = origin_of(*story, folder);
+  std::vector<std::string> warnings;
+  if (!folder.empty()) {
+    if (const auto story = read_story(folder))
+      origin = origin_of(*story, folder);
+    else
+      warnings.push_back(story.error() + "; the page says nothing of it");
+  }
   for (const TagCrop& crop : crops)
     origin.crops.push_back({crop.robot, crop.sentence, bytes_in(std::filesystem::path(csv).parent_path(), crop.file)});
-  return report_page(in, csv, origin);
+  auto page = report_page(in, csv, origin);
+  if (page) page->warnings.insert(page->warnings.begin(), warnings.begin(), warnings.end());
+  return page;
 }
 
 }  // namespace skein::app

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <optional>
@@ -197,8 +199,12 @@ tl::expected<Verification, std::string> verify_run(const std::string& folder) {
     result.notes.emplace_back(
         "run.json has no SHA-256 of its own, as those of earlier versions: what it says is not verified");
   result.steps.push_back(check_files(folder, *story));
-  if (const auto is_file = check_is_file(csv); !is_file) {
-    result.steps.push_back({"experiment", false, is_file.error()});
+  auto readable = check_is_file(csv);
+  errno = 0;
+  if (readable && !std::ifstream(csv))
+    readable = tl::unexpected(fmt::format("{}: cannot be opened: {}", csv, std::strerror(errno)));
+  if (!readable) {
+    result.steps.push_back({"experiment", false, readable.error()});
     return result;
   }
   result.steps.push_back(check_experiment(folder, csv));

@@ -92,6 +92,42 @@ class Runs(unittest.TestCase):
                 skein.read(picture).columns
 
     @needs("pandas")
+    def test_a_torn_record_is_read_up_to_its_tear(self):
+        run = skein.run(PLATOON, duration=1)
+        with tempfile.TemporaryDirectory() as folder:
+            torn = os.path.join(folder, "torn.csv")
+            with open(run.file, "rb") as whole, open(torn, "wb") as part:
+                part.write(whole.read()[:-30])
+            for more in (b"", b"\0" * 512 + b"\n"):
+                with open(torn, "ab") as part:
+                    part.write(more)
+                with contextlib.redirect_stderr(io.StringIO()) as screen:
+                    self.assertEqual(list(skein.read(torn)["t"]), list(run["t"][:-1]))
+                self.assertRegex(screen.getvalue(), "torn.csv: the file is torn at its end")
+
+    @needs("pandas")
+    def test_a_record_that_another_program_saved_is_read(self):
+        run = skein.run(PLATOON, duration=1)
+        with tempfile.TemporaryDirectory() as folder:
+            saved = os.path.join(folder, "saved.csv")
+            with open(run.file, encoding="utf-8") as lines, open(saved, "w", encoding="utf-8-sig", newline="\r\n") as other:
+                other.write(lines.read())
+            self.assertEqual(list(skein.read(saved)["V"]), list(run["V"]))
+            self.assertEqual(skein.read(saved).experiment, run.experiment)
+
+    def test_whatever_stands_in_a_run_json_is_read_or_refused(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for story in ("[]", "7", '{"x":' + "[" * 100000 + "]" * 100000 + "}"):
+                with open(os.path.join(folder, "run.json"), "w") as file:
+                    file.write(story)
+                with self.assertRaisesRegex(skein.Error, "run.json: "):
+                    skein.read(folder)
+            with open(os.path.join(folder, "run.json"), "w") as file:
+                file.write('{"state": "begun", "problems": 7}')
+            run = skein.read(folder)
+            self.assertEqual((run.summary, run.ok, run.problems), (None, None, []))
+
+    @needs("pandas")
     def test_a_table_that_is_none_says_so(self):
         with tempfile.TemporaryDirectory() as folder:
             ragged = os.path.join(folder, "ragged.csv")

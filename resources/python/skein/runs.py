@@ -1,5 +1,6 @@
 """Runs, their records and sweeps: see the package's own words."""
 
+import io
 import json
 import os
 import re
@@ -176,7 +177,7 @@ class _Table:
 
     def _head_lines(self):
         try:
-            with open(self.file, encoding="utf-8") as lines:
+            with open(self.file, encoding="utf-8-sig") as lines:  # other programs save it with a byte order mark
                 count = 0
                 for line in lines:
                     if not line.startswith("#"):
@@ -190,6 +191,16 @@ class _Table:
         except UnicodeDecodeError as refused:
             raise Error(f"{self.file}: is no text: it is no record") from refused
         raise Error(f"{self.file}: ends before a header row")
+
+    def _rows(self):
+        """The file up to where a power cut tore it: half a row, whose last number reads as another one, or zeros."""
+        with open(self.file, "rb") as file:
+            text = file.read()
+        zeros = text.find(b"\0")
+        whole = text.rfind(b"\n", 0, zeros if zeros >= 0 else len(text)) + 1
+        if whole < len(text) and sys.stderr:
+            sys.stderr.write(f"skein: {self.file}: the file is torn at its end, as by a power cut: read up to the torn row\n")
+        return io.BytesIO(text[:whole])
 
     @property
     def columns(self):
@@ -207,9 +218,10 @@ class _Table:
             lines, names = self._head_lines()
             words = {n: str for n in names if n == "event" or n.split("_", 1)[-1] in ("mode", "how", "link", "limit")}
             try:
-                self._data = pandas.read_csv(
-                    self.file, skiprows=lines, dtype=words, keep_default_na=False, na_values=[""], float_precision="round_trip"
-                )
+                with self._rows() as rows:
+                    self._data = pandas.read_csv(
+                        rows, skiprows=lines, dtype=words, keep_default_na=False, na_values=[""], float_precision="round_trip"
+                    )
             except ValueError as refused:  # a row with too many cells, bytes that are no text
                 raise Error(f"{self.file}: {refused}") from refused
         return self._data
@@ -220,8 +232,9 @@ class _Table:
 
 
 class Run(_Table):
-    """A run: `summary` (a dict; None of a record that was read), `ok` (whether the file's [expect] held), `problems`
-    (sentences), and its record: `file`, `columns`, `data`, `run["r1_x"]`, `experiment`, `robots`, `events`, `plot()`."""
+    """A run: `summary` (a dict; None of a record that was read), `ok` (whether the file's [expect] held; None of a record
+    that was read, and of a kept run that did not end), `problems` (sentences), and its record: `file`, `columns`, `data`,
+    `run["r1_x"]`, `experiment`, `robots`, `events`, `plot()`."""
 
     def __init__(self, file, summary=None, ok=None, problems=(), folder=None):
         super().__init__(file, folder)
@@ -235,7 +248,7 @@ class Run(_Table):
     @property
     def experiment(self):
         """The text of the experiment that the record embeds."""
-        with open(self.file, encoding="utf-8") as lines:
+        with open(self.file, encoding="utf-8-sig") as lines:
             text = []
             for line in lines:
                 if not line.startswith("#"):
@@ -335,9 +348,13 @@ def read(file):
                 kept = json.load(story)
         except OSError as refused:
             raise Error(f"{file}: is not the folder of a run that was kept: {told}: {refused.strerror}") from refused
-        except ValueError as refused:
+        except (ValueError, RecursionError) as refused:
             raise Error(f"{told}: {refused}") from refused
-        return Run(os.path.join(file, "run.csv"), kept.get("summary"), kept.get("exit_status") == 0, kept.get("problems", ()))
+        if not isinstance(kept, dict):
+            raise Error(f"{told}: is not a JSON object, allowed: a file written by `skein run --keep`")
+        status, problems = kept.get("exit_status"), kept.get("problems")
+        ok = None if status is None else status == 0  # None: the run did not end
+        return Run(os.path.join(file, "run.csv"), kept.get("summary"), ok, problems if isinstance(problems, list) else ())
     if not os.path.isfile(file):
         raise Error(f"{file}: there is no such file")
     return Run(file)

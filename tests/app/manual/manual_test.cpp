@@ -89,6 +89,7 @@ TEST_F(Manual, AMistakeIsSaidWithItsPlaceAndWhatIsAllowed) {
   EXPECT_EQ(said("replay --size 3mm"),
             "skein replay: --size: found 3mm, allowed: a whole number from 1 to 9 (skein replay --help)");
   EXPECT_EQ(said("robots"), "skein robots: found no command, allowed: scan (skein robots --help)");
+  EXPECT_EQ(said("robots scn"), "skein robots: found scn; did you mean scan? allowed: scan (skein robots --help)");
   EXPECT_EQ(said("rnu"), "skein: found rnu; did you mean run? allowed: run, replay, robots (skein --help)");
 }
 

@@ -558,6 +558,44 @@ TEST_F(Mistakes, APageThatIsInterruptedLeavesNothing) {
   }
 }
 
+TEST_F(Mistakes, ARunWithoutItsRecordIsNotSaidToHaveAnEmptyOne) {
+  keep_run("a", "2026-11-01T12:00:00.000+01:00", 0);
+  write("runs/a/run.json", R"({"format":1,"files":{}})");
+  EXPECT_EQ(shell("$skein runs verify a --runs-dir runs"), 1);
+  EXPECT_THAT(out, HasSubstr("experiment: FAILS, runs/a/run.csv: cannot be opened: No such file or directory"));
+  EXPECT_THAT(out, Not(HasSubstr("empty")));
+}
+
+TEST_F(Mistakes, WhatIsWrongWithARunJsonIsSaidWithItsPlace) {
+  EXPECT_EQ(shell("$skein run e.toml --set duration=1 --quiet --keep --runs-dir runs && mv runs/2* a"), 0) << said;
+  const auto refusal = [&](const std::string& text) {
+    write("a/run.json", text);
+    EXPECT_EQ(shell("$skein runs show a"), 2) << text;
+    EXPECT_THAT(said, AllOf(HasSubstr("a/run.json: "), HasSubstr("allowed: a file written by `skein run --keep`")));
+    return said;
+  };
+  EXPECT_THAT(refusal("{\n  \"state\": fini}\n"), HasSubstr("line 2, column 13"));
+  EXPECT_THAT(refusal("{\"collisions\": 1" + std::string(500, '0') + "}"),
+              AllOf(HasSubstr("number overflow"), Not(HasSubstr(std::string(300, '0')))));
+  EXPECT_THAT(refusal("[1, 2]"), HasSubstr("it is not a JSON object"));
+  EXPECT_THAT(refusal("{\"x\":" + std::string(200, '[') + std::string(200, ']') + "}"), HasSubstr("100 levels deep"));
+  EXPECT_EQ(shell("$skein report a --html --out page.html"), 0) << said;
+  EXPECT_THAT(said, HasSubstr("a/run.json: it is nested")) << "the page lacks what stands there";
+}
+
+TEST_F(Mistakes, RunsInFoldersOfOtherNamesAreComparedByThem) {
+  EXPECT_EQ(shell("$skein run e.toml --set duration=1 --quiet --keep --runs-dir runs && cp -r runs/2* b && "
+                  "mv runs/2* a && cd a && $skein runs compare . ../b"),
+            0)
+      << said;
+  EXPECT_THAT(out, testing::MatchesRegex(" *a +b\n.*"));
+}
+
+TEST_F(Mistakes, AReaderThatHasGoneIsNoLossOfOutput) {
+  EXPECT_EQ(shell("{ \"$skein-bench\" identify --runs 1 2> bench-said; } | true"), 0);
+  EXPECT_THAT(read("bench-said"), IsEmpty());
+}
+
 TEST_F(Mistakes, ASimulationWithoutNoiseIsNotAccused) {
   EXPECT_EQ(shell("$skein run e.toml --csv run.csv --quiet && $skein identify run.csv"), 0) << said << out;
   EXPECT_THAT(said, Not(HasSubstr("correlated")));

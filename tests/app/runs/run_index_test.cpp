@@ -176,7 +176,11 @@ TEST(RunIndex, TheNewestIsTheOneThatBeganLastWhateverTheTimeZone) {
 }
 
 TEST(RunIndex, ARunThatSaysNoTimeIsAsOldAsItsFile) {
-  for (const char* began : {"", "yesterday", "2026-10-25T02:59", "2026-13-45T02:59:00.000+02:00"})
+  for (const char* began :
+       {"", "yesterday", "2026-10-25T02:59", "2026-13-45T02:59:00.000+02:00", "9999-10-25T02:59:00.000+02:00",
+        "0001-10-25T02:59:00.000+02:00", "2026-10-25T02:59:1e300+02:00", "2026-10-25T02:59:-1.00+02:00",
+        "2026-10-25T25:59:00.000+02:00", "2026-10-25T02:75:00.000+02:00", "2026-10-25T02:59:00.000+99:00",
+        "2026-10-25T02:59:nan+02:00"})
     EXPECT_FALSE(began_at(nlohmann::ordered_json{{"began", began}})) << began;
   Folder runs;
   keep_run(runs, "a", R"({"began":"2001-10-25T02:59:00.000+02:00"})");
