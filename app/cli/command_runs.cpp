@@ -109,6 +109,7 @@ Facts facts_of(const nlohmann::ordered_json& story, const std::string& folder) {
   facts["id"] = std::filesystem::path(plain_path(folder)).filename().string();
   return facts;
 }
+
 tl::expected<Facts, std::string> facts_of(const std::string& run, const RunsRequest& request) {
   const auto folder = folder_of(run, request);
   if (!folder) return tl::unexpected(folder.error());
