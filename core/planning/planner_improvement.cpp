@@ -7,7 +7,7 @@
 namespace skein::core {
 namespace {
 
-constexpr double notice = 1.5;              // the earliest change after a trial has begun [s]
+constexpr double notice = 1.0;              // the earliest change after a trial has begun [s]
 constexpr double undisturbed = 0.5;         // of that: clocks look this far ahead [s]
 constexpr double nearly_there = 1.0;        // a robot that arrives this soon after the change keeps its route [s]
 constexpr double gain = 0.2;                // by which the last arrival must come sooner [s]
