@@ -4,20 +4,13 @@
 #include <apriltag/tag36h11.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
-#include <tuple>
 
+#include "vision/detector/found_tags.h"
 #include "vision/detector/likeness.h"
 
 namespace skein::vision {
 namespace {
-
-void sort_by_id(std::vector<Detection>& found) {
-  std::sort(found.begin(), found.end(), [](const Detection& a, const Detection& b) {
-    return std::tie(a.tag, a.corners) < std::tie(b.tag, b.corners);
-  });
-}
 
 struct DestroyFamily {
   void operator()(apriltag_family_t* family) const { tag36h11_destroy(family); }
@@ -43,20 +36,14 @@ struct TagDetector::Parts {
     for (int i = 0; i < zarray_size(detections); ++i) {
       apriltag_detection_t* seen = nullptr;
       zarray_get(detections, i, &seen);
-      Detection detection;
-      detection.tag = seen->id;
-      detection.decision_margin = static_cast<double>(seen->decision_margin);
-      for (std::size_t corner = 0; corner < 4; ++corner) {
-        // AprilTag puts (0, 0) at the top-left pixel's outer corner, we at its centre.
-        detection.corners[corner] = {seen->p[corner][0] - 0.5 + left, seen->p[corner][1] - 0.5 + top};
-      }
+      Detection detection = detail::detection_of(seen->id, seen->decision_margin, seen->p, left, top);
       if (least_likeness > -1.0)
         detection.likeness =
             detail::likeness(frame, detection.corners, patterns[static_cast<std::size_t>(detection.tag)]);
       if (detection.likeness >= least_likeness) found.push_back(detection);
     }
     apriltag_detections_destroy(detections);
-    sort_by_id(found);
+    std::sort(found.begin(), found.end(), detail::by_id);
   }
 };
 
@@ -90,9 +77,7 @@ const std::vector<Detection>& TagDetector::detect(const Frame& frame, Window win
   const int top = std::max(0, window.top);
   const int width = std::min(frame.width, window.left + window.width) - left;
   const int height = std::min(frame.height, window.top + window.height) - top;
-  // A tag has 8 modules and a border; AprilTag's thresholding works on whole 4x4 tiles and reads past a picture smaller
-  // than one.
-  if (constexpr int least = 16; width < least || height < least) {
+  if (width < detail::least_side || height < detail::least_side) {
     parts_->found.clear();
     return parts_->found;
   }
@@ -121,16 +106,11 @@ std::vector<Detection> detect_at_both(TagDetector& detector, const Frame& frame)
   const auto before = static_cast<std::ptrdiff_t>(found.size());
   detector.set_decimate(2.0);
   for (const Detection& detection : detector.detect(frame)) {
-    const bool known = std::any_of(found.begin(), found.begin() + before, [&](const auto& other) {
-      const double edge =
-          std::hypot(other.corners[1][0] - other.corners[0][0], other.corners[1][1] - other.corners[0][1]);
-      const double apart =
-          std::hypot(other.corners[0][0] - detection.corners[0][0], other.corners[0][1] - detection.corners[0][1]);
-      return other.tag == detection.tag && apart < 0.5 * edge;
-    });
+    const bool known = std::any_of(found.begin(), found.begin() + before,
+                                   [&](const auto& other) { return detail::same_tag(other, detection); });
     if (!known) found.push_back(detection);
   }
-  sort_by_id(found);
+  std::sort(found.begin(), found.end(), detail::by_id);
   return found;
 }
 

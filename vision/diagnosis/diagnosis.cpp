@@ -1,14 +1,5 @@
 #include "vision/diagnosis/diagnosis.h"
 
-#include <apriltag/apriltag.h>
-#include <apriltag/tag16h5.h>
-#include <apriltag/tag25h9.h>
-#include <apriltag/tag36h10.h>
-#include <apriltag/tagCircle21h7.h>
-#include <apriltag/tagCircle49h12.h>
-#include <apriltag/tagCustom48h12.h>
-#include <apriltag/tagStandard41h12.h>
-#include <apriltag/tagStandard52h13.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,6 +8,7 @@
 #include <memory>
 #include <string_view>
 
+#include "vision/detector/family_reader.h"
 #include "vision/diagnosis/edge_widths.h"
 #include "vision/diagnosis/light_limits.h"
 #include "vision/modules/media_loader.h"
@@ -86,26 +78,6 @@ bool near_border(const Frame& frame, const Calibration& calibration, const core:
          at->y() > frame.height - 1.0 - reach;
 }
 
-Frame mirrored(const Frame& frame) {
-  Frame turned = frame;
-  for (int v = 0; v < frame.height; ++v) std::reverse(turned.row(v), turned.row(v) + frame.width);
-  return turned;
-}
-
-Corners mirrored_back(Corners corners, int width) {
-  for (auto& corner : corners) corner[0] = width - 1.0 - corner[0];
-  return corners;
-}
-
-// As a family of its own: tags whose black and white are exchanged, in print or by the camera.
-constexpr std::string_view in_negative = "36h11 in negative";
-
-Frame negative(const Frame& frame) {
-  Frame exchanged = frame;
-  for (std::uint8_t& grey : exchanged.grey) grey = static_cast<std::uint8_t>(255 - grey);
-  return exchanged;
-}
-
 /// Where a detection is and how it looks, into the answer.
 void describe(const Detection& seen, const Calibration& calibration, TagDiagnosis& answer) {
   answer.crops.push_back(crop_around(middle_of(seen.corners), edge_px_of(seen.corners)));
@@ -144,99 +116,41 @@ std::optional<double> usual_edge(const std::vector<Detection>& found, std::span<
   return *middle;
 }
 
-struct OtherFamily {
-  std::string_view name;
-  apriltag_family_t* (*create)();
-  void (*destroy)(apriltag_family_t*);
-  bool has_ghosts = false;  // so few bits that a texture may look like a tag
-};
-constexpr std::array other_families{
-    OtherFamily{"25h9", tag25h9_create, tag25h9_destroy},
-    OtherFamily{"36h10", tag36h10_create, tag36h10_destroy},
-    OtherFamily{"Standard41h12", tagStandard41h12_create, tagStandard41h12_destroy},
-    OtherFamily{"Standard52h13", tagStandard52h13_create, tagStandard52h13_destroy},
-    OtherFamily{"Circle21h7", tagCircle21h7_create, tagCircle21h7_destroy, true},
-    OtherFamily{"Circle49h12", tagCircle49h12_create, tagCircle49h12_destroy},
-    OtherFamily{"Custom48h12", tagCustom48h12_create, tagCustom48h12_destroy},
-    OtherFamily{"16h5", tag16h5_create, tag16h5_destroy, true},
-};
-
 /// OpenCV's markers, which are read where there is no AprilTag.
 struct ArucoFamily {
-  std::string_view name;
+  TagFamily family;
   int bits;
   int last_sure;  // this number and lower ones are believed of a single marker; others may be texture
 };
-constexpr std::array aruco_families{ArucoFamily{"ArUco 4x4", 4, 49}, ArucoFamily{"ArUco 5x5", 5, 999},
-                                    ArucoFamily{"ArUco 6x6", 6, 999}, ArucoFamily{"ArUco 7x7", 7, 999}};
-
-/// A tag of another family, with its family's name.
-struct Stranger {
-  std::string_view family;
-  Detection seen;
-};
-
-/// Tags of the other families, with no bit corrected and a clear contrast, since the small families find ghosts in any
-/// texture.
-std::vector<Stranger> tags_of_other_families(const Frame& frame) {
-  constexpr double clear_margin = 30.0;
-  using Family = std::unique_ptr<apriltag_family_t, void (*)(apriltag_family_t*)>;
-  std::vector<Family> families;
-  const std::unique_ptr<apriltag_detector_t, void (*)(apriltag_detector_t*)> detector(apriltag_detector_create(),
-                                                                                      apriltag_detector_destroy);
-  // One detector for all of them: the search for squares, which takes most of the time, is made once.
-  for (const OtherFamily& other : other_families) {
-    families.emplace_back(other.create(), other.destroy);
-    apriltag_detector_add_family_bits(detector.get(), families.back().get(), 0);
-  }
-  detector->quad_decimate = 1.0F;
-  // AprilTag only reads the pixels.
-  image_u8_t image{frame.width, frame.height, frame.width, const_cast<std::uint8_t*>(frame.grey.data())};
-  zarray_t* found = apriltag_detector_detect(detector.get(), &image);
-  std::vector<Stranger> clear;
-  for (int i = 0; i < zarray_size(found); ++i) {
-    apriltag_detection_t* seen = nullptr;
-    zarray_get(found, i, &seen);
-    if (static_cast<double>(seen->decision_margin) < clear_margin) continue;
-    const auto family =
-        std::find_if(families.begin(), families.end(), [&](const Family& one) { return one.get() == seen->family; });
-    Stranger& stranger = clear.emplace_back();
-    stranger.family = other_families[static_cast<std::size_t>(family - families.begin())].name;
-    stranger.seen.tag = seen->id;
-    stranger.seen.decision_margin = static_cast<double>(seen->decision_margin);
-    for (std::size_t corner = 0; corner < 4; ++corner)
-      stranger.seen.corners[corner] = {seen->p[corner][0] - 0.5, seen->p[corner][1] - 0.5};
-  }
-  apriltag_detections_destroy(found);
-  return clear;
-}
+constexpr std::array aruco_families{ArucoFamily{{"ArUco 4x4"}, 4, 49}, ArucoFamily{{"ArUco 5x5"}, 5, 999},
+                                    ArucoFamily{{"ArUco 6x6"}, 6, 999}, ArucoFamily{{"ArUco 7x7"}, 7, 999}};
 
 /// Markers of ArUco, of the dictionary of which there are most. It loads OpenCV: not where robots drive.
-std::vector<Stranger> aruco_markers(const Frame& frame) {
-  std::vector<Stranger> most;
+std::vector<FamilyTag> aruco_markers(const Frame& frame) {
+  std::vector<FamilyTag> most;
   const auto module = boards();
   if (!module) return most;
-  for (const ArucoFamily& family : aruco_families) {
+  for (const ArucoFamily& aruco : aruco_families) {
     std::vector<Detection> found;
-    (*module)->detect_aruco(frame, family.bits, found);
-    if (found.size() <= most.size() || (found.size() == 1 && found.front().tag > family.last_sure)) continue;
+    (*module)->detect_aruco(frame, aruco.bits, found);
+    if (found.size() <= most.size() || (found.size() == 1 && found.front().tag > aruco.last_sure)) continue;
     most.clear();
-    for (const Detection& seen : found) most.push_back({family.name, seen});
+    for (const Detection& seen : found) most.push_back({&aruco.family, seen});
   }
   return most;
 }
 
-/// The family in which one of the tags is found.
-void look_for_other_families(const std::vector<Stranger>& strangers, const Calibration& calibration,
+/// Tags that are not found, but would be in another family, in a mirror or in negative.
+void look_for_other_families(const std::vector<FamilyTag>& tags, const Calibration& calibration,
                              std::vector<TagDiagnosis>& answers) {
-  for (const Stranger& stranger : strangers) {
+  for (const FamilyTag& tag : tags) {
     const auto answer = std::find_if(answers.begin(), answers.end(), [&](const TagDiagnosis& a) {
-      return a.tag == stranger.seen.tag && a.why == NotSeen::not_found;
+      return a.tag == tag.seen.tag && a.why == NotSeen::not_found;
     });
     if (answer == answers.end()) continue;
-    describe(stranger.seen, calibration, *answer);
-    answer->why = NotSeen::other_family;
-    answer->family = stranger.family;
+    describe(tag.seen, calibration, *answer);
+    answer->why = tag.family->name == in_mirror ? NotSeen::mirrored : NotSeen::other_family;
+    answer->family = tag.family->name;
   }
 }
 
@@ -296,8 +210,8 @@ std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibr
                                    std::span<const MissingTag> missing) {
   std::vector<TagDiagnosis> answers;
   for (const MissingTag& tag : missing) answers.push_back({.tag = tag.tag});
-  TagDetector detector({.min_white_black_diff = faint});
-  const std::vector<Detection> found = detect_at_both(detector, frame);
+  const std::vector<FamilyTag> tags = read_families(frame, faint);
+  const std::vector<Detection> found = of_family(tags, in_36h11);
   const std::optional<double> usual = usual_edge(found, missing, calibration);
   for (TagDiagnosis& answer : answers) {
     const Detection* one = nullptr;
@@ -320,27 +234,10 @@ std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibr
     }
     if (times > 1) answer.why = NotSeen::doubled;
   }
-  if (any_not_found(answers)) {
-    const std::vector<Detection> reversed = detect_at_both(detector, mirrored(frame));
-    for (TagDiagnosis& answer : answers)
-      for (Detection seen : reversed) {
-        if (seen.tag != answer.tag || answer.why != NotSeen::not_found) continue;
-        seen.corners = mirrored_back(seen.corners, frame.width);
-        describe(seen, calibration, answer);
-        answer.why = NotSeen::mirrored;
-      }
-  }
-  if (any_not_found(answers)) {
-    std::vector<Stranger> exchanged;
-    for (const Detection& seen : detect_at_both(detector, negative(frame))) exchanged.push_back({in_negative, seen});
-    look_for_other_families(exchanged, calibration, answers);
-  }
-  if (any_not_found(answers)) {
-    look_for_other_families(tags_of_other_families(frame), calibration, answers);
-    const auto ever_seen = [](const MissingTag& tag) { return tag.last.has_value(); };
-    if (found.empty() && std::none_of(missing.begin(), missing.end(), ever_seen) && any_not_found(answers))
-      look_for_other_families(aruco_markers(frame), calibration, answers);
-  }
+  look_for_other_families(tags, calibration, answers);
+  const auto ever_seen = [](const MissingTag& tag) { return tag.last.has_value(); };
+  if (found.empty() && std::none_of(missing.begin(), missing.end(), ever_seen) && any_not_found(answers))
+    look_for_other_families(aruco_markers(frame), calibration, answers);
 
   const Light light = light_of(frame);
   const double expected_px = tag_edge_px(calibration);
@@ -411,35 +308,44 @@ Frame picture_of(const Frame& frame, const TagDiagnosis& diagnosis) {
 }
 
 std::string why_no_tag(const Frame& frame) {
-  TagDetector detector({.min_white_black_diff = faint});
-  std::vector<int> reversed;
-  for (const Detection& seen : detect_at_both(detector, mirrored(frame))) reversed.push_back(seen.tag);
-  if (!reversed.empty()) {
-    std::sort(reversed.begin(), reversed.end());
-    return fmt::format("tag{} {} {} mirrored: switch the camera's mirror off", reversed.size() == 1 ? "" : "s",
-                       fmt::join(reversed, ", "), reversed.size() == 1 ? "is" : "are");
-  }
+  std::vector<FamilyTag> tags = read_families(frame, faint);
+  const auto ids_of = [&](std::string_view family) {
+    std::vector<int> ids;
+    for (const Detection& seen : of_family(tags, family)) ids.push_back(seen.tag);
+    std::sort(ids.begin(), ids.end());  // ArUco's are in no order
+    return ids;
+  };
+  const auto changed = [&](std::string_view family, std::string_view how, std::string_view remedy) {
+    const std::vector<int> ids = ids_of(family);
+    if (ids.empty()) return std::string();
+    return fmt::format("tag{} {} {} {}: {}", ids.size() == 1 ? "" : "s", fmt::join(ids, ", "),
+                       ids.size() == 1 ? "is" : "are", how, remedy);
+  };
+  if (std::string said = changed(in_mirror, "mirrored", "switch the camera's mirror off"); !said.empty()) return said;
+  if (std::string said = changed(in_negative, "in negative, black and white exchanged",
+                                 "switch the camera's negative effect off, or print anew");
+      !said.empty())
+    return said;
   std::vector<int> ids;
   std::string_view family;
-  const std::vector<Stranger> found = tags_of_other_families(frame);
-  for (const OtherFamily& other : other_families) {
-    std::vector<int> of_this;
-    for (const Stranger& stranger : found)
-      if (stranger.family == other.name) of_this.push_back(stranger.seen.tag);
-    if (of_this.size() <= ids.size() || (other.has_ghosts && of_this.size() < 2)) continue;
-    ids = std::move(of_this);
-    family = other.name;
-  }
-  if (ids.empty())
-    for (const Stranger& stranger : aruco_markers(frame)) {
-      ids.push_back(stranger.seen.tag);
-      family = stranger.family;
+  const auto take_if_most = [&] {
+    for (const FamilyTag& tag : tags) {
+      if (tag.family->name == in_36h11 || tag.family->name == family) continue;
+      std::vector<int> of_this = ids_of(tag.family->name);
+      if (of_this.size() <= ids.size() || (tag.family->has_ghosts && of_this.size() < 2)) continue;
+      ids = std::move(of_this);
+      family = tag.family->name;
     }
+  };
+  take_if_most();
+  if (ids.empty()) {
+    tags = aruco_markers(frame);
+    take_if_most();
+  }
   if (ids.empty()) {
     const auto blur = blur_of(frame);
     return blur ? blur_sentence(*blur) : std::string();
   }
-  std::sort(ids.begin(), ids.end());
   return fmt::format("no tag is of the family 36h11, but {} look{} like {} ({}): print {} anew in 36h11", ids.size(),
                      ids.size() == 1 ? "s" : "", family, fmt::join(ids, ", "), ids.size() == 1 ? "it" : "them");
 }

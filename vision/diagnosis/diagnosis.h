@@ -36,7 +36,7 @@ struct TagDiagnosis {
   double edge_px = 0.0;                   // its edge, or what it would have [px]
   double contrast = 0.0;                  // between its ink and its paper [grey levels]; 0: it was not found
   double edge_width = 0.0;                // of blurred: of the frame's edges, from dark to bright [px]
-  std::string family{};                   // of other_family: "25h9", "ArUco 4x4", "36h11 in negative"
+  std::string family{};                   // of other_family and mirrored: "25h9", "ArUco 4x4", "36h11 in negative"
   std::vector<Window> crops{};            // the parts of the frame that show it, or where it was last seen
 };
 

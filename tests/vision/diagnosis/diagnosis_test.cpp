@@ -262,6 +262,9 @@ TEST(Diagnosis, ATagInNegative) {
   EXPECT_EQ(lab.diagnosis().why, NotSeen::other_family);
   EXPECT_NE(lab.said().find("tag 3 is there, but in negative"), std::string::npos) << lab.said();
   EXPECT_NEAR(lab.diagnosis().places.front().x(), 0.3, 0.003);
+  EXPECT_EQ(why_no_tag(lab.frame),
+            "tag 3 is in negative, black and white exchanged: switch the camera's negative effect off, or print "
+            "anew");
 }
 
 TEST(Diagnosis, ABlurredPicture) {

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <tuple>
+
+#include "vision/tags/detection.h"
+
+namespace skein::vision::detail {
+
+/// A tag has 8 modules and a border; AprilTag's thresholding works on whole 4x4 tiles and reads past a picture smaller
+/// than one. [px]
+inline constexpr int least_side = 16;
+
+/// What AprilTag found in a picture that begins at this pixel of the frame; the likeness is left open.
+inline Detection detection_of(int tag, float decision_margin, const double (&corners)[4][2], int left = 0,
+                              int top = 0) {
+  Detection detection;
+  detection.tag = tag;
+  detection.decision_margin = static_cast<double>(decision_margin);
+  // AprilTag puts (0, 0) at the top-left pixel's outer corner, we at its centre.
+  for (std::size_t corner = 0; corner < 4; ++corner)
+    detection.corners[corner] = {corners[corner][0] - 0.5 + left, corners[corner][1] - 0.5 + top};
+  return detection;
+}
+
+/// One tag that was found at two resolutions.
+inline bool same_tag(const Detection& a, const Detection& b) {
+  const auto distance = [](const auto& p, const auto& q) { return std::hypot(p[0] - q[0], p[1] - q[1]); };
+  return a.tag == b.tag && distance(a.corners[0], b.corners[0]) < 0.5 * distance(a.corners[0], a.corners[1]);
+}
+
+/// The order in which tags are reported.
+inline bool by_id(const Detection& a, const Detection& b) {
+  return std::tie(a.tag, a.corners) < std::tie(b.tag, b.corners);
+}
+
+}  // namespace skein::vision::detail
