@@ -10,8 +10,6 @@
 #include <QHelpEvent>
 #include <QMenu>
 #include <QMenuBar>
-#include <QScrollArea>
-#include <QScrollBar>
 #include <QStatusBar>
 #include <QTimer>
 #include <QToolBar>
@@ -19,7 +17,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/experiment/experiment_file.h"
 #include "app/experiment/hardware.h"
 #include "app/run/interrupted.h"
 #include "ui/arena/arena_view.h"
@@ -37,6 +34,7 @@
 #include "ui/main/check_controller.h"
 #include "ui/main/comparison_controller.h"
 #include "ui/main/connect_controller.h"
+#include "ui/main/dock_layout.h"
 #include "ui/main/editor_controller.h"
 #include "ui/main/file_controller.h"
 #include "ui/main/help.h"
@@ -44,6 +42,7 @@
 #include "ui/main/pair_controller.h"
 #include "ui/main/preview_controller.h"
 #include "ui/main/recording_controller.h"
+#include "ui/main/reopen_controller.h"
 #include "ui/main/replay_controller.h"
 #include "ui/main/result_controller.h"
 #include "ui/main/robot_controller.h"
@@ -60,20 +59,6 @@
 
 namespace skein::ui {
 namespace {
-
-constexpr int layout_version = 2;  // of the docks: a layout of another version is not restored
-
-/// The panel in as much room as there is: what is higher scrolls.
-QScrollArea* scrolling(QWidget* panel) {
-  auto* area = new QScrollArea;
-  area->setWidget(panel);
-  area->setWidgetResizable(true);
-  area->setFrameShape(QFrame::NoFrame);
-  area->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
-  area->setFocusPolicy(Qt::NoFocus);
-  area->setMinimumWidth(panel->minimumSizeHint().width() + area->verticalScrollBar()->sizeHint().width());
-  return area;
-}
 
 QAction* add(QMenu* menu, const QString& text, const QString& name, const QKeySequence& keys,
              const std::function<void()>& slot) {
@@ -108,11 +93,6 @@ void name_change(QAction* action, const QString& what, QUndoStack& changes, void
   });
 }
 
-void bring_forward(QDockWidget* dock) {
-  dock->show();
-  dock->raise();
-}
-
 }  // namespace
 
 MainWindow::MainWindow() {
@@ -131,7 +111,7 @@ MainWindow::MainWindow() {
                  [this] { return runs_.live().all_stand() && !connect_->is_working() && !branch_->is_busy(); },
                  [this] { on_space(); }},
                 run_bar_->stop_button(), this);
-  default_layout();
+  docks_->set_usual();
   restore_settings();
 }
 
@@ -169,6 +149,7 @@ void MainWindow::build_controllers() {
   replay_ = new ReplayController(runs_, *files_, *messages_, this);
   comparison_ = new ComparisonController(runs_, *messages_, arena_, plots_, this);
   pairs_ = new PairController(runs_, *messages_, gains_, arena_, this);
+  reopen_ = new ReopenController(live, *messages_, this);
   preview_ = new PreviewController(runs_, gains_, arena_, plots_, this);
   result_ = new ResultController(runs_, *messages_, results_, this);
   robot_ = new RobotController(runs_, *messages_, robot_buttons_, this);
@@ -204,31 +185,17 @@ void MainWindow::lay_out() {
   middle_layout->addWidget(arena_, 1);
   setCentralWidget(middle);
 
-  gains_dock_ = dock(scrolling(gains_), tr("Coupling gains"), QStringLiteral("gains_dock"), Qt::LeftDockWidgetArea);
-  plots_dock_ = dock(plots_, tr("Plots"), QStringLiteral("plots_dock"), Qt::RightDockWidgetArea);
   auto* robots_box = new QWidget;
   auto* robots_layout = new QVBoxLayout(robots_box);
   robots_layout->setContentsMargins(0, 0, 0, 0);
   robots_layout->setSpacing(0);
   robots_layout->addWidget(robots_, 1);
   robots_layout->addWidget(robot_buttons_);
-  robots_dock_ = dock(robots_box, tr("Robots"), QStringLiteral("robots_dock"), Qt::BottomDockWidgetArea);
-  results_dock_ = dock(results_, tr("Results"), QStringLiteral("results_dock"), Qt::BottomDockWidgetArea);
-  log_dock_ = dock(log_, tr("Events"), QStringLiteral("log_dock"), Qt::BottomDockWidgetArea);
+  docks_ = new DockLayout({gains_, plots_, robots_box, log_, results_}, this);
 
   statusBar()->setSizeGripEnabled(false);
   statusBar()->addWidget(alert_, 1);
   statusBar()->addPermanentWidget(pace_);
-}
-
-QDockWidget* MainWindow::dock(QWidget* panel, const QString& title, const QString& name, Qt::DockWidgetArea area) {
-  auto* dock = new QDockWidget(title, this);
-  dock->setObjectName(name);
-  dock->setWidget(panel);
-  dock->installEventFilter(this);
-  dock->setFeatures(QDockWidget::DockWidgetMovable | QDockWidget::DockWidgetClosable);
-  addDockWidget(area, dock);
-  return dock;
 }
 
 void MainWindow::go_to(QDockWidget* dock, QWidget* first) {
@@ -254,83 +221,6 @@ void MainWindow::show_tip_of_focus() {
   }
   QHelpEvent tip(QEvent::ToolTip, where, of->mapToGlobal(where));
   QApplication::sendEvent(of, &tip);
-}
-
-void MainWindow::default_layout() {
-  for (QDockWidget* dock : {gains_dock_, plots_dock_, robots_dock_, log_dock_, results_dock_}) {
-    dock->setFloating(false);
-    dock->show();
-  }
-  stacked_ = false;
-  setCorner(Qt::BottomLeftCorner, Qt::BottomDockWidgetArea);
-  setCorner(Qt::BottomRightCorner, Qt::RightDockWidgetArea);
-  addDockWidget(Qt::LeftDockWidgetArea, gains_dock_);
-  addDockWidget(Qt::RightDockWidgetArea, plots_dock_);
-  addDockWidget(Qt::BottomDockWidgetArea, robots_dock_);
-  splitDockWidget(robots_dock_, log_dock_, Qt::Horizontal);
-  tabifyDockWidget(log_dock_, results_dock_);
-  log_dock_->raise();
-  sized_in_ = QSize(1280, 800);
-  resize(fitting(sized_in_, this));
-  dock_sizes_ = {{gains_dock_, {250, 0}}, {plots_dock_, {400, 0}}, {robots_dock_, {550, 176}}, {log_dock_, {330, 176}}};
-  fit_docks();
-}
-
-void MainWindow::stack_columns() {
-  constexpr int room_for_two = 1000;  // columns beside the arena [px]
-  const bool narrow = width() < room_for_two;
-  if (narrow == stacked_) return;
-  const bool usual = stacked_ ? tabifiedDockWidgets(gains_dock_).contains(plots_dock_)
-                              : dockWidgetArea(gains_dock_) == Qt::LeftDockWidgetArea &&
-                                    dockWidgetArea(plots_dock_) == Qt::RightDockWidgetArea;
-  if (usual && narrow) {
-    tabifyDockWidget(gains_dock_, plots_dock_);
-    gains_dock_->raise();
-  } else if (usual) {
-    addDockWidget(Qt::RightDockWidgetArea, plots_dock_);
-  }
-  stacked_ = narrow && usual;
-}
-
-void MainWindow::fit_docks() {
-  stack_columns();
-  const double x = std::min(1.0, static_cast<double>(width()) / sized_in_.width());
-  const double y = std::min(1.0, static_cast<double>(height()) / sized_in_.height());
-  const auto wide = [&](QDockWidget* dock) { return static_cast<int>(x * dock_sizes_.at(dock).width()); };
-  resizeDocks({gains_dock_, plots_dock_}, {wide(gains_dock_), wide(plots_dock_)}, Qt::Horizontal);
-  resizeDocks({robots_dock_, log_dock_}, {wide(robots_dock_), wide(log_dock_)}, Qt::Horizontal);
-  resizeDocks({robots_dock_}, {static_cast<int>(y * dock_sizes_.at(robots_dock_).height())}, Qt::Vertical);
-  settled_ = size();
-}
-
-void MainWindow::resizeEvent(QResizeEvent* event) {
-  QMainWindow::resizeEvent(event);
-  QTimer::singleShot(0, this, [this] {  // once the layout is done
-    if (restored_ && isVisible()) {
-      const bool was_stacked = stacked_;
-      stack_columns();
-      settled_ = QSize();
-      if (stacked_ == was_stacked) {  // else the window was narrow the last time, and the usual sizes hold
-        for (auto& [dock, made] : dock_sizes_) made = dock->size();
-        sized_in_ = settled_ = size();
-      }
-      restored_ = false;
-    }
-    if (settled_ != size()) fit_docks();
-  });
-}
-
-bool MainWindow::eventFilter(QObject* watched, QEvent* event) {
-  // In a window that keeps its size, it is the operator who sizes a dock.
-  auto* dock = qobject_cast<QDockWidget*>(watched);
-  if (dock && event->type() == QEvent::Resize && isVisible() && settled_ == size() &&
-      QApplication::mouseButtons() != Qt::NoButton) {
-    if (sized_in_ != size())
-      for (QDockWidget* other : {gains_dock_, plots_dock_, robots_dock_, log_dock_}) dock_sizes_[other] = other->size();
-    dock_sizes_[dock] = dock->size();
-    sized_in_ = size();
-  }
-  return QMainWindow::eventFilter(watched, event);
 }
 
 void MainWindow::build_menus(QMenuBar* menus) {
@@ -472,22 +362,19 @@ void MainWindow::build_view_menu(QMenu* view) {
     add(go, text, QLatin1String(name), QKeySequence(QStringLiteral("Ctrl+%1").arg(number)), slot);
   };
   place(tr("&Arena"), "go_to_arena", 1, [this] { arena_->setFocus(Qt::ShortcutFocusReason); });
-  place(tr("&Gains"), "go_to_gains", 2, [this] { go_to(gains_dock_, gains_->first_control()); });
+  place(tr("&Gains"), "go_to_gains", 2, [this] { go_to(docks_->gains(), gains_->first_control()); });
   place(tr("&Plots"), "go_to_plots", 3,
-        [this] { go_to(plots_dock_, plots_->findChild<QWidget*>(QStringLiteral("plot"))); });
-  place(tr("&Robots"), "go_to_robots", 4, [this] { go_to(robots_dock_, robots_); });
+        [this] { go_to(docks_->plots(), plots_->findChild<QWidget*>(QStringLiteral("plot"))); });
+  place(tr("&Robots"), "go_to_robots", 4, [this] { go_to(docks_->robots(), robots_); });
   place(tr("&Events"), "go_to_events", 5,
-        [this] { go_to(log_dock_, log_->findChild<QWidget*>(QStringLiteral("event_log"))); });
+        [this] { go_to(docks_->events(), log_->findChild<QWidget*>(QStringLiteral("event_log"))); });
   place(tr("Re&sults"), "go_to_results", 6,
-        [this] { go_to(results_dock_, results_->findChild<QWidget*>(QStringLiteral("result_table"))); });
+        [this] { go_to(docks_->results(), results_->findChild<QWidget*>(QStringLiteral("result_table"))); });
   place(tr("&Time line"), "go_to_time", 7, [this] { run_bar_->time_line()->setFocus(Qt::ShortcutFocusReason); });
   QMenu* panels = view->addMenu(tr("&Panels"));
   connect(panels, &QMenu::aboutToShow, this, [this, panels] {  // the docks come after the menus
     panels->clear();
-    for (QDockWidget* dock : {gains_dock_, plots_dock_, robots_dock_, log_dock_, results_dock_})
-      panels->addAction(dock->toggleViewAction());
-    panels->addSeparator();
-    panels->addAction(tr("&Back to the usual layout"), this, [this] { default_layout(); });
+    docks_->fill_menu(panels);
   });
 }
 
@@ -510,13 +397,19 @@ void MainWindow::connect_panels() {
   connect(arena_, &ArenaView::refused, this, [this](const QString& why) { messages_->say(why, Severity::notice); });
   robots_->addActions(robot_buttons_->actions());
   auto* plotter = new CellPlotter(
-      plots_, [this] { bring_forward(plots_dock_); }, this);
+      plots_, [this] { bring_forward(docks_->plots()); }, this);
   plotter->serve(robots_);
   plotter->serve(gains_->pair_cells());
   connect(robots_, &RobotsPanel::picked, arena_, &ArenaView::select);
   connect(robot_buttons_, &RobotButtons::connect_again, this, &MainWindow::new_run);
   connect(robot_, &RobotController::testing, checks_, &CheckController::set_testing);
-  connect(gains_, &GainsPanel::experiment_wanted, this, &MainWindow::reopen_with);
+  connect(gains_, &GainsPanel::experiment_wanted, reopen_, &ReopenController::reopen_with);
+  connect(reopen_, &ReopenController::experiment_wanted, this,
+          [this](const app::Experiment& experiment) { open(experiment, false); });
+  connect(reopen_, &ReopenController::refused, this, [this] {
+    show_run();
+    on_opened();
+  });
   connect(check_list_, &CheckList::mend, this, &MainWindow::mend);
   connect(check_list_, &CheckList::tag_size_wanted, editor_, [this](double size) {
     editor_->save_with({{QStringLiteral("tags.size"), QString::number(size)}});
@@ -637,9 +530,9 @@ void MainWindow::show_run() {
   run_bar_->time_line()->set_scrubbable(run.is_complete(), run.rows());
   arena_->show_experiment(experiment);
   gains_->show_experiment(experiment, [&run](core::GainName gain) { return run.gain_limit(gain); });
-  gains_dock_->setWindowTitle(!GainsPanel::has_anything_to_set(experiment) ? tr("Gains: one robot has none")
-                              : experiment.controller.law.uses_gains()     ? tr("Coupling gains")
-                                                                           : tr("Parameters of the law"));
+  docks_->gains()->setWindowTitle(!GainsPanel::has_anything_to_set(experiment) ? tr("Gains: one robot has none")
+                                  : experiment.controller.law.uses_gains()     ? tr("Coupling gains")
+                                                                               : tr("Parameters of the law"));
   plots_->show_experiment(experiment);
   if (run.is_complete()) plots_->set_span(0.0);
   results_->show_experiment(experiment);
@@ -697,7 +590,7 @@ void MainWindow::on_frame(double now) {
   arena_->set_alert(over ? QString() : alert_->loud_beside_banner(), alarm ? c.alarm_fill : c.warning);
   files_->refresh();
   branch_->refresh();
-  take_reopened({});
+  reopen_->refresh();
   replay_->refresh();
   comparison_->refresh();
   preview_->refresh();
@@ -723,7 +616,7 @@ void MainWindow::show_state() {
 
   const bool may_be_ready = run.is_open() && run.latest() && run.is_before_start();
   const QString file = files_->reading() + replay_->reading();  // one of them at most
-  const QString preparing = reopening_.is_busy() ? tr("Preparing the changed experiment …") : branch_->doing();
+  const QString preparing = reopen_->is_busy() ? tr("Preparing the changed experiment …") : branch_->doing();
   const QString reading = file.isEmpty() ? preparing : reading_text(file);
   const bool nothing_else = !reading.isEmpty() && !run.is_open() && !run.is_busy() && !run.is_complete();
   const Notice banner = nothing_else ? Notice{reading} : may_be_ready ? checks_->banner() : run.banner();
@@ -823,7 +716,7 @@ void MainWindow::go() {
   switch (run.state().go) {
     case RunState::Go::start:
       // With which of the two, nobody could say.
-      if (reopening_.is_busy())
+      if (reopen_->is_busy())
         return messages_->say(tr("Not started: the changed experiment is still being prepared"), Severity::warning);
       return checks_->start(false);
     case RunState::Go::again:
@@ -864,34 +757,6 @@ void MainWindow::new_run() {
   teaches_ = teaches;
 }
 
-void MainWindow::reopen_with(const QString& set) {
-  const LiveRun& live = runs_.live();
-  if (!live.is_open() || live.phase() != app::Phase::ready) return;
-  const app::Experiment& now = live.experiment();
-  reopened_from_ = now.source;
-  // An experiment of many robots with long timetables takes seconds.
-  reopening_.run([source = now.source, name = now.name, directory = now.directory,
-                  set = set.toStdString()](const std::stop_token&) {
-    auto changed = app::parse_experiment(source, name, {set});
-    if (changed) changed->directory = directory;
-    return changed;
-  });
-  constexpr std::chrono::milliseconds unnoticed{100};
-  take_reopened(unnoticed);
-}
-
-void MainWindow::take_reopened(std::chrono::milliseconds patience) {
-  const auto changed = reopening_.take(patience);
-  if (!changed) return;
-  const LiveRun& live = runs_.live();
-  if (!live.is_open() || live.phase() != app::Phase::ready || live.experiment().source != reopened_from_)
-    return messages_->say(tr("The change came too late: the run is no longer ready to start"), Severity::notice);
-  if (*changed) return open(**changed, false);
-  messages_->problem(tr("This cannot run"), QString::fromStdString(changed->error().front().message()));
-  show_run();  // what the panels show is what holds
-  on_opened();
-}
-
 void MainWindow::mend(app::Check::What what) {
   using What = app::Check::What;
   switch (what) {
@@ -904,9 +769,9 @@ void MainWindow::mend(app::Check::What what) {
     case What::links:
       return new_run();
     case What::gains:
-      return bring_forward(gains_dock_);
+      return bring_forward(docks_->gains());
     case What::batteries: {
-      bring_forward(robots_dock_);
+      bring_forward(docks_->robots());
       const auto& robots = runs_.live().robots();
       for (std::size_t i = 0; i < robots.size(); ++i)
         if (robots[i].battery_low) return arena_->select(static_cast<int>(i));
@@ -950,7 +815,7 @@ void MainWindow::closeEvent(QCloseEvent* event) {
   let_go_of_session();
   files_->drop();
   branch_->drop();
-  reopening_.drop();
+  reopen_->drop();
   connect_->stop();
   runs_.live().close();
   setEnabled(false);
@@ -1013,12 +878,7 @@ void MainWindow::restore_settings() {
   const QString theme = stored.value(QStringLiteral("theme")).toString();
   set_theme(theme.isEmpty() ? desktop_at_start_ : theme == QStringLiteral("dark") ? Theme::dark : Theme::light);
   theme_chosen_ = !theme.isEmpty();
-  if (stored.contains(QStringLiteral("geometry"))) {
-    restoreGeometry(stored.value(QStringLiteral("geometry")).toByteArray());
-    keep_on_screen(this);
-    restored_ = restoreState(stored.value(QStringLiteral("layout")).toByteArray(), layout_version);
-    if (restored_) stacked_ = stored.value(QStringLiteral("stacked")).toBool();
-  }
+  docks_->restore(stored);
   plots_->show_plots(stored.value(QStringLiteral("plots")).toStringList());
   arena_actions_->restore(stored);
   voice_action_->setChecked(stored.value(QStringLiteral("speak_alarms")).toBool());
@@ -1030,9 +890,7 @@ void MainWindow::store_settings() {
     stored.setValue(QStringLiteral("theme"), dark_->isChecked() ? QStringLiteral("dark") : QStringLiteral("light"));
   else
     stored.remove(QStringLiteral("theme"));
-  if (!isFullScreen()) stored.setValue(QStringLiteral("geometry"), saveGeometry());
-  stored.setValue(QStringLiteral("layout"), saveState(layout_version));
-  stored.setValue(QStringLiteral("stacked"), stacked_);
+  docks_->store(stored);
   stored.setValue(QStringLiteral("plots"), plots_->shown());
   arena_actions_->store(stored);
   stored.setValue(QStringLiteral("speak_alarms"), voice_->is_on());

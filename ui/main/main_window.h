@@ -1,20 +1,16 @@
 #pragma once
 
-#include <QDockWidget>
 #include <QLabel>
 #include <QMainWindow>
-#include <chrono>
-#include <map>
 
-#include "app/experiment/problem.h"
 #include "app/session/readiness.h"
-#include "ui/base/aside.h"
 #include "ui/base/compositor.h"
 #include "ui/base/palette.h"
 #include "ui/base/throttle.h"
 #include "ui/main/messages.h"
 #include "ui/run/runs.h"
 
+class QDockWidget;
 class QMenu;
 class QMenuBar;
 
@@ -31,6 +27,7 @@ class CheckController;
 class CheckList;
 class ComparisonController;
 class ConnectController;
+class DockLayout;
 class EditorController;
 class EventPanel;
 class FileController;
@@ -40,6 +37,7 @@ class PairController;
 class PlotsPanel;
 class PreviewController;
 class RecordingController;
+class ReopenController;
 class ReplayController;
 class ResultController;
 class ResultPanel;
@@ -93,8 +91,6 @@ class MainWindow final : public QMainWindow {
  protected:
   void closeEvent(QCloseEvent*) override;
   void changeEvent(QEvent*) override;
-  void resizeEvent(QResizeEvent*) override;
-  bool eventFilter(QObject* watched, QEvent* event) override;
   void dragEnterEvent(QDragEnterEvent*) override;
   void dropEvent(QDropEvent*) override;
 
@@ -108,18 +104,10 @@ class MainWindow final : public QMainWindow {
   void build_run_menu(QMenu* run);
   void build_files_of_run(QMenu* run);
   void build_view_menu(QMenu* view);
-  void default_layout();
-  /// Sizes the docks as the operator did, smaller in a smaller window: after shrinking and growing, the window is as
-  /// before.
-  void fit_docks();
-  /// In a narrow window, puts the plots in a tab behind the gains, if both are at their usual places: the arena gets
-  /// the room.
-  void stack_columns();
   /// Brings a panel to the front, and the keyboard to its first control, if it has one.
   void go_to(QDockWidget* dock, QWidget* first);
   /// The tip that a mouse would find over the control with the focus.
   void show_tip_of_focus();
-  QDockWidget* dock(QWidget* panel, const QString& title, const QString& name, Qt::DockWidgetArea area);
 
   void show_run();    // another run, or another experiment
   void show_state();  // five times a second, however many frames there are, and when something changes
@@ -131,9 +119,6 @@ class MainWindow final : public QMainWindow {
   void select_robot(int robot);
   void seek(double t);
   void mend(app::Check::What what);
-  /// The same experiment with one key of its file changed ("key=value"), before its start.
-  void reopen_with(const QString& set);
-  void take_reopened(std::chrono::milliseconds patience);
   void let_go_of_session();
   /// STOP by a key. Returns whether anything could have been moving: then the key press is consumed.
   bool stop_by_key();
@@ -156,7 +141,7 @@ class MainWindow final : public QMainWindow {
   CheckList* check_list_;
   LeftBehindBar* left_behind_;
   QLabel* pace_;
-  QDockWidget *gains_dock_, *plots_dock_, *robots_dock_, *log_dock_, *results_dock_;
+  DockLayout* docks_;
   AlertVoice* voice_;
   QAction *dark_, *voice_action_, *go_action_, *new_run_action_, *save_csv_action_;
 
@@ -170,6 +155,7 @@ class MainWindow final : public QMainWindow {
   ReplayController* replay_;
   ComparisonController* comparison_;
   PairController* pairs_;
+  ReopenController* reopen_;
   PreviewController* preview_;
   ResultController* result_;
   RobotController* robot_;
@@ -177,19 +163,13 @@ class MainWindow final : public QMainWindow {
   CameraController* camera_;
   ConnectController* connect_;
 
-  std::map<QDockWidget*, QSize> dock_sizes_;  // the default or the operator's, in a window of this size:
-  QSize sized_in_, settled_;
-  bool stacked_ = false;                            // plots behind the gains, by stack_columns
-  bool restored_ = false;                           // the sizes of the last time hold, once the window is seen
   bool may_close_ = false;                          // all robots are stopped and the session is gone
   const Theme desktop_at_start_ = desktop_theme();  // before Skein sets a palette
   bool theme_chosen_ = false;                       // otherwise the desktop's
   bool teaches_ = false;                            // the hint stays until a robot was moved
   app::Phase shown_phase_ = app::Phase::ready;
-  Aside<tl::expected<app::Experiment, std::vector<app::Problem>>> reopening_;
-  std::string reopened_from_;  // the text of the experiment that is changed
-  Throttle texts_{0.19};       // numbers that change five times a second can be read
-  Throttle questions_{0.5};    // to the display
+  Throttle texts_{0.19};     // numbers that change five times a second can be read
+  Throttle questions_{0.5};  // to the display
   Compositor compositor_;
 };
 

@@ -1,0 +1,156 @@
+#include "ui/main/dock_layout.h"
+
+#include <QApplication>
+#include <QEvent>
+#include <QMenu>
+#include <QScrollArea>
+#include <QScrollBar>
+#include <QTimer>
+#include <algorithm>
+
+#include "ui/base/dialogs.h"
+
+namespace skein::ui {
+namespace {
+
+constexpr int layout_version = 2;  // of the docks: a layout of another version is not restored
+
+/// The panel in as much room as there is: what is higher scrolls.
+QScrollArea* scrolling(QWidget* panel) {
+  auto* area = new QScrollArea;
+  area->setWidget(panel);
+  area->setWidgetResizable(true);
+  area->setFrameShape(QFrame::NoFrame);
+  area->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+  area->setFocusPolicy(Qt::NoFocus);
+  area->setMinimumWidth(panel->minimumSizeHint().width() + area->verticalScrollBar()->sizeHint().width());
+  return area;
+}
+
+}  // namespace
+
+void bring_forward(QDockWidget* dock) {
+  dock->show();
+  dock->raise();
+}
+
+DockLayout::DockLayout(const Panels& panels, QMainWindow* window) : QObject(window), window_(window) {
+  gains_ = dock(scrolling(panels.gains), tr("Coupling gains"), QStringLiteral("gains_dock"), Qt::LeftDockWidgetArea);
+  plots_ = dock(panels.plots, tr("Plots"), QStringLiteral("plots_dock"), Qt::RightDockWidgetArea);
+  robots_ = dock(panels.robots, tr("Robots"), QStringLiteral("robots_dock"), Qt::BottomDockWidgetArea);
+  results_ = dock(panels.results, tr("Results"), QStringLiteral("results_dock"), Qt::BottomDockWidgetArea);
+  events_ = dock(panels.events, tr("Events"), QStringLiteral("log_dock"), Qt::BottomDockWidgetArea);
+  window->installEventFilter(this);
+}
+
+QDockWidget* DockLayout::dock(QWidget* panel, const QString& title, const QString& name, Qt::DockWidgetArea area) {
+  auto* dock = new QDockWidget(title, window_);
+  dock->setObjectName(name);
+  dock->setWidget(panel);
+  dock->installEventFilter(this);
+  dock->setFeatures(QDockWidget::DockWidgetMovable | QDockWidget::DockWidgetClosable);
+  window_->addDockWidget(area, dock);
+  return dock;
+}
+
+void DockLayout::set_usual() {
+  for (QDockWidget* dock : all()) {
+    dock->setFloating(false);
+    dock->show();
+  }
+  stacked_ = false;
+  window_->setCorner(Qt::BottomLeftCorner, Qt::BottomDockWidgetArea);
+  window_->setCorner(Qt::BottomRightCorner, Qt::RightDockWidgetArea);
+  window_->addDockWidget(Qt::LeftDockWidgetArea, gains_);
+  window_->addDockWidget(Qt::RightDockWidgetArea, plots_);
+  window_->addDockWidget(Qt::BottomDockWidgetArea, robots_);
+  window_->splitDockWidget(robots_, events_, Qt::Horizontal);
+  window_->tabifyDockWidget(events_, results_);
+  events_->raise();
+  sized_in_ = QSize(1280, 800);
+  window_->resize(fitting(sized_in_, window_));
+  sizes_ = {{gains_, {250, 0}}, {plots_, {400, 0}}, {robots_, {550, 176}}, {events_, {330, 176}}};
+  fit();
+}
+
+void DockLayout::stack_columns() {
+  constexpr int room_for_two = 1000;  // columns beside the arena [px]
+  const bool narrow = window_->width() < room_for_two;
+  if (narrow == stacked_) return;
+  const bool usual = stacked_ ? window_->tabifiedDockWidgets(gains_).contains(plots_)
+                              : window_->dockWidgetArea(gains_) == Qt::LeftDockWidgetArea &&
+                                    window_->dockWidgetArea(plots_) == Qt::RightDockWidgetArea;
+  if (usual && narrow) {
+    window_->tabifyDockWidget(gains_, plots_);
+    gains_->raise();
+  } else if (usual) {
+    window_->addDockWidget(Qt::RightDockWidgetArea, plots_);
+  }
+  stacked_ = narrow && usual;
+}
+
+void DockLayout::fit() {
+  stack_columns();
+  const double x = std::min(1.0, static_cast<double>(window_->width()) / sized_in_.width());
+  const double y = std::min(1.0, static_cast<double>(window_->height()) / sized_in_.height());
+  const auto wide = [&](QDockWidget* dock) { return static_cast<int>(x * sizes_.at(dock).width()); };
+  window_->resizeDocks({gains_, plots_}, {wide(gains_), wide(plots_)}, Qt::Horizontal);
+  window_->resizeDocks({robots_, events_}, {wide(robots_), wide(events_)}, Qt::Horizontal);
+  window_->resizeDocks({robots_}, {static_cast<int>(y * sizes_.at(robots_).height())}, Qt::Vertical);
+  settled_ = window_->size();
+}
+
+bool DockLayout::eventFilter(QObject* watched, QEvent* event) {
+  if (event->type() == QEvent::Resize) {
+    if (watched == window_)
+      QTimer::singleShot(0, this, &DockLayout::on_window_resized);  // once the layout is done
+    else if (auto* dock = qobject_cast<QDockWidget*>(watched))
+      on_dock_resized(dock);
+  }
+  return QObject::eventFilter(watched, event);
+}
+
+void DockLayout::on_window_resized() {
+  if (restored_ && window_->isVisible()) {
+    const bool was_stacked = stacked_;
+    stack_columns();
+    settled_ = QSize();
+    if (stacked_ == was_stacked) {  // else the window was narrow the last time, and the usual sizes hold
+      for (auto& [dock, made] : sizes_) made = dock->size();
+      sized_in_ = settled_ = window_->size();
+    }
+    restored_ = false;
+  }
+  if (settled_ != window_->size()) fit();
+}
+
+void DockLayout::on_dock_resized(QDockWidget* dock) {
+  // In a window that keeps its size, it is the operator who sizes a dock.
+  if (!window_->isVisible() || settled_ != window_->size() || QApplication::mouseButtons() == Qt::NoButton) return;
+  if (sized_in_ != window_->size())
+    for (auto& [other, made] : sizes_) made = other->size();
+  sizes_[dock] = dock->size();
+  sized_in_ = window_->size();
+}
+
+void DockLayout::restore(const QSettings& stored) {
+  if (!stored.contains(QStringLiteral("geometry"))) return;
+  window_->restoreGeometry(stored.value(QStringLiteral("geometry")).toByteArray());
+  keep_on_screen(window_);
+  restored_ = window_->restoreState(stored.value(QStringLiteral("layout")).toByteArray(), layout_version);
+  if (restored_) stacked_ = stored.value(QStringLiteral("stacked")).toBool();
+}
+
+void DockLayout::store(QSettings& stored) const {
+  if (!window_->isFullScreen()) stored.setValue(QStringLiteral("geometry"), window_->saveGeometry());
+  stored.setValue(QStringLiteral("layout"), window_->saveState(layout_version));
+  stored.setValue(QStringLiteral("stacked"), stacked_);
+}
+
+void DockLayout::fill_menu(QMenu* menu) {
+  for (QDockWidget* dock : all()) menu->addAction(dock->toggleViewAction());
+  menu->addSeparator();
+  menu->addAction(tr("&Back to the usual layout"), this, &DockLayout::set_usual);
+}
+
+}  // namespace skein::ui
