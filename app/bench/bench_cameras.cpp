@@ -15,7 +15,7 @@
 #include "app/experiment/experiment_file.h"
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
-#include "app/session/camera_rig.h"
+#include "app/session/experiment_cameras.h"
 #include "app/session/last_sights.h"
 #include "app/tick/control_tick.h"
 #include "core/simulation/simulated_robot.h"

@@ -11,7 +11,7 @@
 #include "app/run/exit_status.h"
 #include "app/run/number_text.h"
 #include "app/run/output.h"
-#include "app/session/camera_rig.h"
+#include "app/session/experiment_cameras.h"
 #include "app/tools/camera_latency.h"
 #include "app/tools/driven_plant.h"
 

@@ -6,7 +6,7 @@
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
 #include "app/run/terminal_text.h"
-#include "app/session/camera_rig.h"
+#include "app/session/experiment_cameras.h"
 #include "app/tools/controller_check.h"
 
 namespace skein::app {

@@ -38,7 +38,7 @@ struct CsvWriter::Impl {
   void robot(const RobotRecord& record) {
     for (const auto& column : robot_columns) number(column.get(record));
     words<Mode>(record.mode);
-    const bool seen = record.measurement.captured_at > core::Measurement{}.captured_at;
+    const bool seen = record.measurement.ever_seen();
     for (const auto& column : measurement_columns) number(seen ? column.get(record) : none);
     row.append(word(record.measurement.how)) += ',';
     if (record.link.state) row += word(*record.link.state);
@@ -52,7 +52,7 @@ struct CsvWriter::Impl {
   void by_camera(const TickRecord& record, std::size_t robot) {
     for (std::size_t k = 0; k < cameras; ++k) {
       const core::Measurement& seen = record.by_camera[k * record.robots.size() + robot];
-      const bool ever = seen.captured_at > core::Measurement{}.captured_at;
+      const bool ever = seen.ever_seen();
       for (const auto& column : camera_columns) number(ever ? column.get(seen) : none);
     }
   }

@@ -17,8 +17,7 @@ constexpr std::size_t most_exact = 20'000, most_events = 10'000, most_described 
 /// Where a robot is, as well as it is known; nothing of one that was never seen.
 core::Pose known_place(const RobotRecord& robot) noexcept {
   if (!std::isnan(robot.truth.x)) return robot.truth;
-  const bool seen = robot.measurement.captured_at > core::Measurement{}.captured_at;
-  return seen ? robot.pose : core::Pose{none, none, none};
+  return robot.measurement.ever_seen() ? robot.pose : core::Pose{none, none, none};
 }
 
 /// A robot whose pose is not known makes the group's error unknown, which std::fmax would hide.

@@ -48,17 +48,13 @@ bool same(const Value (&values)[N], const TickRecord& row, std::size_t robot, Re
   return true;
 }
 
-bool is_seen(const core::Measurement& measurement) {
-  return measurement.captured_at > core::Measurement{}.captured_at;
-}
-
 /// Of one camera: `prefix` is "c2_", or nothing where there is one.
 void compare_poses(const TickRecord& row, std::span<const core::Measurement> recorded,
                    std::span<const core::Measurement> again, const std::string& prefix, ReplayResult& result) {
   for (std::size_t i = 0; i < again.size(); ++i) {
     const core::Measurement &a = recorded[i], &b = again[i];
     ++result.poses;
-    if (!is_seen(a) && !is_seen(b)) continue;  // not yet
+    if (!a.ever_seen() && !b.ever_seen()) continue;  // not yet
     ++result.poses_exact;
     const Value values[] = {{"x_meas", a.pose.x, b.pose.x},
                             {"y_meas", a.pose.y, b.pose.y},
@@ -76,7 +72,7 @@ class FilmLoss {
   void add(std::span<const core::Measurement> recorded, std::span<const core::Measurement> seen, ReplayResult& result) {
     for (std::size_t i = 0; i < seen.size(); ++i) {
       const core::Measurement &a = recorded[i], &b = seen[i];
-      if (!is_seen(a)) continue;  // this camera had not seen it yet
+      if (!a.ever_seen()) continue;  // this camera had not seen it yet
       ++result.poses;
       ++result.poses_approximate;
       if (a.captured_at != b.captured_at) {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/session/camera_rig.h"
+#include "app/session/experiment_cameras.h"
 
 namespace skein::app {
 
@@ -11,7 +11,7 @@ namespace {
 
 /// When the newest frame of a camera that a tick knew of was taken; a frame in which no robot was seen may be unknown.
 double newest_capture(std::span<const core::Measurement> by_camera) noexcept {
-  double newest = core::Measurement{}.captured_at;
+  double newest = core::Measurement::never;
   for (const core::Measurement& seen : by_camera) newest = std::fmax(newest, seen.captured_at);
   return newest;
 }

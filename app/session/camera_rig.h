@@ -2,13 +2,10 @@
 
 #include <array>
 #include <atomic>
-#include <boost/lockfree/spsc_queue.hpp>
 #include <condition_variable>
 #include <functional>
 #include <memory>
 #include <mutex>
-#include <optional>
-#include <set>
 #include <span>
 #include <string>
 #include <thread>
@@ -19,32 +16,22 @@
 #include "app/experiment/experiment.h"
 #include "app/run/session_clock.h"
 #include "app/run/status.h"
+#include "app/session/camera_findings.h"
 #include "app/session/last_sights.h"
 #include "app/session/newest.h"
+#include "app/session/rendered_camera.h"
 #include "app/session/simulated_world.h"
 #include "app/session/tag_crops.h"
 #include "vision/calibration/calibration.h"
 #include "vision/diagnosis/diagnosis.h"
-#include "vision/diagnosis/focus_watch.h"
-#include "vision/diagnosis/mark_watch.h"
 #include "vision/diagnosis/rate_watch.h"
 #include "vision/diagnosis/repeat_watch.h"
-#include "vision/diagnosis/scale_watch.h"
 #include "vision/diagnosis/stamp_watch.h"
-#include "vision/diagnosis/tag_absence.h"
 #include "vision/frames/frame_source.h"
 #include "vision/recording/recorder.h"
-#include "vision/synthetic/synthetic_camera.h"
 #include "vision/tracker/tracker.h"
 
 namespace skein::app {
-
-/// The tags that an experiment looks for, those of its robots, in their order; `every`: followed by all other
-/// tags.
-std::vector<int> wanted_tags(const Experiment& experiment, bool every = false);
-/// Updates the newest measurement of each wanted tag that was seen in a frame.
-void update_newest(std::span<const vision::TagPose> seen, std::span<const int> wanted,
-                   std::span<core::Measurement> newest);
 
 /// When a frame passed its stages. Session's clock; none: not known. [s]
 struct FrameTimes {
@@ -53,11 +40,6 @@ struct FrameTimes {
   double grey_at = none;      ///< the grey image has reached the tracker
   double ready_at = none;     ///< its poses are known
 };
-
-/// The calibration of one of an experiment's cameras, from 0. Synthetic ones without a file share the arena: 2 side by
-/// side, 4 in two rows, and each sees at least 0.2 m of its neighbour's part. The error: it is missing, wrong, or has
-/// no world frame.
-tl::expected<vision::Calibration, std::string> camera_calibration(const Experiment& experiment, std::size_t number = 0);
 
 /// One camera of an experiment with its tracker: frames in, the newest measured pose of each robot out. On the wall
 /// clock it runs on a thread of its own; on the virtual one it takes a frame on request.
@@ -75,7 +57,7 @@ class CameraRig {
   /// Records every frame of the tracker in a film. To be called before the first frame.
   tl::expected<void, std::string> keep(const std::string& path);
   /// Gives these a picture of each tag that is not seen; they must outlive it. To be called before the first frame.
-  void keep_crops(TagCrops* crops) { crops_ = crops; }
+  void keep_crops(TagCrops* crops) { findings_.keep_crops(crops); }
   /// Ends the film. The returned function completes the file, on any thread, even when the rig is gone; null: there is
   /// no film any more.
   std::function<VideoStatus()> end_film();
@@ -110,13 +92,13 @@ class CameraRig {
 
   /// By robot: why its tag was not seen when that was last looked for, in the background. A robot that was
   /// never seen is looked for every few seconds, others when they are lost. Wall clock only; any thread.
-  std::vector<UnseenTag> why_lost() const;
+  std::vector<UnseenTag> why_lost() const { return findings_.why_lost(); }
 
   /// Sentences about lost robots, as from `why_not_seen`, about marks on the floor and about the tags' size, each once.
   /// Any thread, one caller at a time.
-  std::vector<std::string> alarms();
+  std::vector<std::string> alarms() { return findings_.alarms(); }
   /// Any thread.
-  MarksStatus marks() const;
+  MarksStatus marks() const { return findings_.marks(); }
 
   bool picture(Picture& out);
   std::array<double, 2> pixel(double x, double y) const;
@@ -126,53 +108,36 @@ class CameraRig {
   const std::string& reason() const noexcept { return reason_; }
 
  private:
-  CameraRig(const Experiment& experiment, std::size_t number, SessionClock& clock, SimulatedWorld& world,
-            vision::Calibration calibration, bool pictures, std::vector<int> wanted,
-            std::shared_ptr<LastSights> sights);
+  CameraRig(const Experiment& experiment, std::size_t number, SessionClock& clock, vision::Calibration calibration,
+            bool pictures, std::vector<int> wanted, std::shared_ptr<LastSights> sights);
   void thread(const std::stop_token& stop);
   tl::expected<void, std::string> open_source();
   void await_source(const std::stop_token& stop);
   bool capture();  // false: the stream has ended or failed, see reason_
   bool render();
-  void freeze(double now);
-  void poses_at_their_rows(double first_row);
   bool receive();
   void work_off();
-  bool fits(const vision::Frame& frame) const;
-  std::string size_sentence(const vision::Frame& frame) const;
   void judge_frame();
   bool repeats();
   void answer_question();
-  void explain_absences();
-  void explain(const vision::Frame& frame, std::span<const vision::MissingTag> missing);
-  std::size_t robot_of(int tag) const;
-  vision::MissingTag missing_tag(std::size_t robot) const;
-  UnseenTag unseen_tag(const vision::Frame& frame, const vision::TagDiagnosis& tag) const;
-  void watch_marks();
-  void watch_tags();
   void watch_source();
   void film_frame(std::string note);
-  void look_at_marks(const vision::Frame& frame);
-  void explainer(const std::stop_token& stop);
 
   const Experiment& experiment_;
   const CameraSpec& spec_;
   const std::size_t number_;
   const std::string prefix_;  // of its messages
-  TagCrops* crops_ = nullptr;
   SessionClock& clock_;
-  SimulatedWorld& world_;
   vision::Calibration calibration_;
   std::vector<int> wanted_;
   std::shared_ptr<LastSights> last_sights_;
   std::vector<vision::SeenElsewhere> elsewhere_;  // in this frame
   vision::TagTracker tracker_;
-  std::unique_ptr<vision::SyntheticCamera> synthetic_;
-  double bumped_ = 0.0;                           // the share of its bump that the synthetic camera has had
-  double blur_ = vision::SceneOptions{}.blur_px;  // likewise
-  std::unique_ptr<vision::FrameSource> source_;   // null: synthetic, or not open yet
-  std::atomic<bool> awaited_{false};              // a real camera that has not opened yet; then the thread owns source_
-  std::string why_awaited_;                       // set before the thread begins
+  CameraFindings findings_;
+  std::unique_ptr<RenderedCamera> rendered_;     // null: not synthetic
+  std::unique_ptr<vision::FrameSource> source_;  // null: synthetic, or not open yet
+  std::atomic<bool> awaited_{false};             // a real camera that has not opened yet; then the thread owns source_
+  std::string why_awaited_;                      // set before the thread begins
   std::shared_ptr<vision::Recorder> recorder_;
   std::mutex film_mutex_;  // held from a frame's poses until it is in the film; otherwise only the caller that ends the
                            // film takes it
@@ -182,16 +147,14 @@ class CameraRig {
   bool pictures_;
 
   vision::Frame frame_;
-  std::vector<core::Pose> poses_, row_poses_;
-  std::vector<vision::SyntheticTag> tags_;
   struct Sight {
     std::vector<core::Measurement> tags;
     FrameTimes times;
   };
   Sight seen_;  // written by the camera's thread
   Newest<Sight> sights_;
-  std::atomic<double> ready_at_{-1e9};  // of the newest frame
-  int ready_ = -1;                      // eventfd: signalled for every processed frame
+  std::atomic<double> ready_at_{core::Measurement::never};  // of the newest frame
+  int ready_ = -1;                                          // eventfd: signalled for every processed frame
   Newest<Picture> picture_;
   struct Question {
     vision::Frame frame;
@@ -201,39 +164,18 @@ class CameraRig {
   std::condition_variable answered_;
   bool asked_ = false;  // the next frame is requested
   Question answer_;
-  // Why robots are lost, and whether the marks have moved: requested by the camera's thread, diagnosed at once on the
-  // virtual clock and in a separate thread on the wall clock.
-  std::vector<vision::TagAbsence> absences_;         // of the robots' tags
-  double next_absence_ = none, next_search_ = none;  // the latter for robots that were never seen
-  std::vector<vision::MissingTag> missing_;
-  vision::MarkWatch mark_watch_;
-  vision::ScaleWatch scale_watch_;
-  vision::FocusWatch focus_watch_;
   vision::RateWatch rate_watch_;
   vision::RepeatWatch repeat_watch_;
   vision::StampWatch stamp_watch_;
-  bool fits_ = true;                                 // the last frame is of the calibration's size
-  std::array<std::vector<std::uint8_t>, 4> stills_;  // for practice: the pictures that are repeated
-  std::size_t rendered_ = 0;
+  bool fits_ = true;                      // the last frame is of the calibration's size
   std::atomic<std::int64_t> freezes_{0};  // times that the picture was frozen
   std::atomic<bool> frozen_{false};       // it is
   std::atomic<double> frozen_part_{1.0};  // of its height, when it was last frozen
-  std::set<std::string> told_of_source_;
-  int own_looks_ = 0;                    // at the marks, by the camera's thread
-  std::atomic<double> next_look_{-1e9};  // at the marks [s]
-  mutable std::mutex absence_mutex_;     // of what follows
-  std::condition_variable_any absent_;
-  std::optional<Question> absence_;
-  std::optional<vision::Frame> floor_;  // to be searched for the marks
-  std::vector<std::string> alarms_;
-  std::string unusable_;             // why no robot can drive by this camera's frames; empty: it can
-  std::vector<UnseenTag> why_lost_;  // by robot
-  MarksStatus marks_;
-  std::optional<events::CameraMoved> scaled_;  // all tags look larger or smaller at once
-  boost::lockfree::spsc_queue<Event, boost::lockfree::capacity<256>> found_out_;
+  mutable std::mutex unusable_mutex_;
+  std::string unusable_;  // why no robot can drive by this camera's frames; empty: it can
   std::string reason_;
   std::atomic<bool> failed_{false}, ending_{false};
-  std::jthread explainer_, thread_;
+  std::jthread thread_;
 };
 
 }  // namespace skein::app

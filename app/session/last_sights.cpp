@@ -19,7 +19,7 @@ void LastSights::saw(std::size_t camera, std::size_t robot, const core::Measurem
 
 double LastSights::newest(std::size_t robot) const {
   const std::lock_guard lock(mutex_);
-  double newest = core::Measurement{}.captured_at;
+  double newest = core::Measurement::never;
   for (std::size_t at = robot; at < sights_.size(); at += robots_)
     newest = std::max(newest, sights_[at].measurement.captured_at);
   return newest;

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "app/experiment/control_settings.h"
+#include "app/session/experiment_cameras.h"
 #include "app/session/robot_lines.h"
 #include "app/session/wheel_check.h"
 

@@ -225,7 +225,7 @@ void TickState::accept_measurements(std::size_t i, const TickInput& input) noexc
   const auto by = [&](std::size_t camera) -> const core::Measurement& {
     return input.measurements[camera * robots() + i];
   };
-  double newest = core::Measurement{}.captured_at;
+  double newest = core::Measurement::never;
   for (std::size_t c = 0; c < cameras; ++c) newest = std::max(newest, by(c).captured_at);
   in_order.clear();
   for (std::size_t c = 0; c < cameras; ++c)
@@ -442,7 +442,7 @@ void TickState::estimate(const TickInput& input) noexcept {
     accept_measurements(i, input);
     robot.measurement = believed[i];
     robot.pose_age = input.now - robot.measurement.captured_at;
-    const bool seen = robot.measurement.captured_at > core::Measurement{}.captured_at;
+    const bool seen = robot.measurement.ever_seen();
     const auto& known = experiment.robots[i].actuation_delay;
     robot.actuation_delay =
         (known ? known : experiment.estimation.actuation_delay).value_or(input.delays.empty() ? 0.0 : input.delays[i]);

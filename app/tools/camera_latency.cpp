@@ -7,7 +7,7 @@
 #include <iterator>
 #include <utility>
 
-#include "app/session/camera_rig.h"
+#include "app/session/experiment_cameras.h"
 #include "app/tools/plant_loop.h"
 #include "core/estimation/statistics.h"
 #include "core/kinematics/step_rate.h"
@@ -61,7 +61,7 @@ class Recording {
   }
   void add(std::size_t camera, const core::Measurement& seen) {
     std::vector<core::SeenPose>& poses = poses_[camera];
-    if (seen.captured_at > core::Measurement{}.captured_at && (poses.empty() || seen.captured_at > poses.back().t))
+    if (seen.ever_seen() && (poses.empty() || seen.captured_at > poses.back().t))
       poses.push_back({seen.captured_at, seen.pose});
   }
 
@@ -128,7 +128,7 @@ std::string obstacle(const Plant& plant, const Experiment& experiment, std::size
 std::string neighbour(const PlantLoop& loop, const Experiment& experiment, std::size_t robot) {
   for (std::size_t i = 0; i < experiment.robots.size(); ++i) {
     const core::Measurement& other = loop.newest()[i];
-    if (i == robot || !(other.captured_at > core::Measurement{}.captured_at)) continue;
+    if (i == robot || !other.ever_seen()) continue;
     const double gap = core::distance(other.pose, loop.newest()[robot].pose) - experiment.robots[i].radius -
                        experiment.robots[robot].radius;
     if (gap < elbow)
@@ -242,9 +242,8 @@ tl::expected<LatencyMeasurement, std::string> measure_latency(Plant& plant, Sess
   if (std::string why = obstacle(plant, experiment, robot); !why.empty()) return refuse(std::move(why));
   PlantLoop loop(plant, clock, experiment, std::move(keep_on));
   const core::Measurement& seen = loop.newest()[robot];
-  const auto ever = [&] { return seen.captured_at > core::Measurement{}.captured_at; };
   const std::string name = robot_name(experiment, robot);
-  for (const double begun = clock.now(); !ever();) {
+  for (const double begun = clock.now(); !seen.ever_seen();) {
     if (clock.now() > begun + camera_opens)
       return refuse(fmt::format("tag {} of {} is not seen", experiment.robots[robot].tag, name));
     if (const auto ticked = loop.tick(); !ticked) return tl::unexpected(ticked.error());

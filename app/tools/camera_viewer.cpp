@@ -15,7 +15,7 @@
 #include <utility>
 
 #include "app/calibration/calibration_file.h"
-#include "app/session/camera_rig.h"
+#include "app/session/experiment_cameras.h"
 #include "app/tools/aside.h"
 #include "app/tools/camera_words.h"
 #include "vision/detector/detector.h"

@@ -112,7 +112,7 @@ void RunHistory::drive(Robot& robot, const TickRecord& row, const RobotRecord& r
 
 void RunHistory::see(Robot& robot, const TickRecord& row, std::size_t i) const {
   const core::Measurement& seen = row.robots[i].measurement;
-  if (!(seen.captured_at > core::Measurement{}.captured_at)) return;
+  if (!seen.ever_seen()) return;
   if (!robot.poses.empty() && !(seen.captured_at > robot.poses.back().t)) return;
   const bool anew = robot.moved && seen.captured_at >= robot.moved_from - rounding;
   if (anew && seen.captured_at >= robot.moved_to - rounding) robot.moved = false;

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "app/session/camera_film.h"
-#include "app/session/camera_rig.h"
+#include "app/session/experiment_cameras.h"
 #include "vision/detector/detector.h"
 #include "vision/tags/tag_plane.h"
 

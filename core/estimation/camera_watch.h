@@ -53,7 +53,7 @@ class CameraWatch {
 
  private:
   struct Robot {
-    double seen_at = Measurement{}.captured_at, excused_until = seen_at;  // [s]
+    double seen_at = Measurement::never, excused_until = seen_at;  // [s]
     // The newest measured pose and its deviation from the expected one; once a motion is suspected, the sum of the
     // deviations.
     Pose measured, change;

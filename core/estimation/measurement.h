@@ -32,12 +32,15 @@ constexpr std::string_view word(How how) noexcept {
 
 /// The newest measured pose of one robot, from a camera or a simulation.
 struct Measurement {
-  Pose pose;  ///< in the world frame
-  double captured_at =
-      -1e9;  ///< time at which the robot was there, on the session's monotonic clock [s]; far past: never seen
-  double sigma_xy = 0.0;     ///< standard deviation of x, and of y [m]
-  double sigma_theta = 0.0;  ///< of theta [rad]
+  static constexpr double never = -1e9;  ///< captured_at of a robot that was never seen [s]
+
+  Pose pose;                   ///< in the world frame
+  double captured_at = never;  ///< time at which the robot was there, on the session's monotonic clock [s]
+  double sigma_xy = 0.0;       ///< standard deviation of x, and of y [m]
+  double sigma_theta = 0.0;    ///< of theta [rad]
   How how = How::none;
+
+  bool ever_seen() const noexcept { return captured_at > never; }
 };
 
 }  // namespace skein::core

@@ -30,7 +30,7 @@ struct Drive {
   /// One tick: measure, estimate, command, drive. The pose that the tick would use.
   Pose tick() {
     measured = robot.measure(now);
-    const bool seen = measured.captured_at > core::Measurement{}.captured_at;
+    const bool seen = measured.ever_seen();
     if (seen) expected = filter.see(parameters, measured);
     if (seen) estimate = filter.predict(now);
     if (step++ % 25 == 0) wheels = {draw.between(200.0, 700.0), draw.between(200.0, 700.0)};

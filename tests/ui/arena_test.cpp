@@ -447,7 +447,7 @@ TEST(ArenaMessages, TouchNoBadgeOfARobot) {
       record.robots.resize(4);
       for (app::RobotRecord& robot : record.robots) {
         robot.truth = robot.pose = {std::nan(""), 0.0, 0.0};
-        robot.measurement.captured_at = -1e9;
+        robot.measurement.captured_at = core::Measurement::never;
         robot.nominal.pose = {100.0, 100.0, 0.0};
       }
       record.robots[0].truth = {0.0, y, 0.0};
@@ -584,7 +584,7 @@ QImage crowd(QSize size, double width, double apart, int alone = -1, CrowdLook l
     const core::Pose pose{column_of(i) * apart, row_of(i) * apart, 0.1 * i};
     robot.nominal.pose = {100.0, 100.0, 0.0};
     robot.mode = look.mode;
-    robot.measurement.captured_at = -1e9;
+    robot.measurement.captured_at = core::Measurement::never;
     robot.truth = robot.pose = {std::nan(""), 0.0, 0.0};
     if (alone < 0 || alone == i) robot.truth = pose;
   }
@@ -658,7 +658,7 @@ QImage two_robots(QPointF one, QPointF two, int alone = -1) {
     const QPointF at = i == 0 ? one : two;
     robot.nominal.pose = {100.0, 100.0, 0.0};
     robot.mode = app::tracking | app::shielded;
-    robot.measurement.captured_at = -1e9;
+    robot.measurement.captured_at = core::Measurement::never;
     robot.truth = robot.pose = {std::nan(""), 0.0, 0.0};
     if (alone < 0 || alone == i) robot.truth = {at.x(), at.y(), core::pi};
   }

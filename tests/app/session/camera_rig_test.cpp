@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "app/experiment/experiment_file.h"
+#include "app/session/experiment_cameras.h"
 #include "app/session/session.h"
 #include "tests/eventually.h"
 #include "vision/sources/open_source.h"

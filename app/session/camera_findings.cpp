@@ -1,0 +1,241 @@
+#include "app/session/camera_findings.h"
+
+#include <fmt/format.h>
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <utility>
+
+#include "app/session/experiment_cameras.h"
+
+namespace skein::app {
+
+std::string size_fault(const vision::Frame& frame, const vision::Calibration& calibration) {
+  if (frame.width == calibration.width && frame.height == calibration.height) return {};
+  return fmt::format("the camera's frames are {}x{} px, but the calibration holds for {}x{}", frame.width, frame.height,
+                     calibration.width, calibration.height);
+}
+
+CameraFindings::CameraFindings(const Experiment& experiment, std::size_t number, const vision::Calibration& calibration,
+                               std::span<const int> wanted, const vision::TagTracker& tracker, const LastSights& sights,
+                               bool wall_clock)
+    : experiment_(experiment),
+      number_(number),
+      prefix_(camera_prefix(experiment, number)),
+      calibration_(calibration),
+      wanted_(wanted),
+      tracker_(tracker),
+      sights_(sights),
+      wall_clock_(wall_clock),
+      absences_(experiment.robots.size()),
+      scale_watch_(calibration),
+      mark_watch_(calibration, wanted_tags(experiment)),
+      why_lost_(experiment.robots.size()) {
+  marks_.watched = mark_watch_.marks() >= vision::MarkWatch::least_seen;
+  marks_.known = !marks_.watched;
+}
+
+void CameraFindings::start() {
+  thread_ = std::jthread([this](const std::stop_token& stop) { thread(stop); });
+}
+
+void CameraFindings::end() {
+  thread_.request_stop();
+  if (thread_.joinable()) thread_.join();
+}
+
+void CameraFindings::thread(const std::stop_token& stop) {
+  constexpr int niceness = 5;  // behind camera and tick, but end() waits for it on a busy machine too
+  ::setpriority(PRIO_PROCESS, 0, niceness);
+  std::unique_lock lock(mutex_);
+  // The question stays where it is while it is worked on: so there is one at a time.
+  const auto work_on = [&](auto& question, const char* what, auto&& answer) {
+    if (!question) return;
+    lock.unlock();
+    try {
+      answer(*question);
+    } catch (const std::exception& error) {
+      tell(fmt::format("{} cannot be determined: {}", what, error.what()));
+    }
+    lock.lock();
+    question.reset();
+  };
+  while (asked_.wait(lock, stop, [this] { return absence_ || floor_; })) {
+    work_on(absence_, "the reason why a tag is not seen",
+            [this](const Question& question) { explain(question.frame, question.missing); });
+    work_on(floor_, "whether the camera has moved", [this](const vision::Frame& frame) { look_at_marks(frame); });
+  }
+}
+
+void CameraFindings::tell(std::string sentence) {
+  const std::lock_guard lock(mutex_);
+  alarms_.push_back(std::move(sentence));
+}
+
+void CameraFindings::tell_once(std::span<const std::string> sentences) {
+  for (const std::string& sentence : sentences)
+    if (!sentence.empty() && told_once_.insert(sentence).second) tell(prefix_ + sentence);
+}
+
+std::vector<std::string> CameraFindings::alarms() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(alarms_, {});
+}
+
+std::size_t CameraFindings::robot_of(int tag) const {
+  return static_cast<std::size_t>(std::find(wanted_.begin(), wanted_.end(), tag) - wanted_.begin());
+}
+
+vision::MissingTag CameraFindings::missing_tag(std::size_t robot, const core::Measurement& newest) const {
+  return {.tag = wanted_[robot],
+          .last = newest.ever_seen() ? std::optional(newest.pose) : std::nullopt,
+          .lifted_from = tracker_.lifted_from(wanted_[robot]),
+          .blur = focus_watch_.out_of_focus()};
+}
+
+UnseenTag CameraFindings::unseen_tag(const vision::Frame& frame, const vision::TagDiagnosis& tag) const {
+  UnseenTag unseen{tag.tag, tag.why, vision::sentence(tag, calibration_)};
+  if (tag.size > 0.0) unseen.size = tag.size;
+  vision::Frame crop = vision::picture_of(frame, tag);
+  if (crop.width == 0) return unseen;
+  unseen.picture = std::make_shared<const Picture>(Picture{crop.width, crop.height, std::move(crop.grey)});
+  if (crops_)
+    unseen.file = crops_->add({robot_of(tag.tag), crop_file(tag.tag, number_, experiment_.cameras()),
+                               prefix_ + unseen.sentence, unseen.picture});
+  return unseen;
+}
+
+std::vector<UnseenTag> CameraFindings::why_not_seen(const vision::Frame& frame,
+                                                    std::span<const vision::MissingTag> missing) const {
+  if (std::string fault = size_fault(frame, calibration_); !fault.empty()) return {{.sentence = std::move(fault)}};
+  std::vector<UnseenTag> unseen;
+  for (const vision::TagDiagnosis& tag : vision::diagnose(frame, calibration_, missing))
+    unseen.push_back(unseen_tag(frame, tag));
+  return unseen;
+}
+
+/// For each robot that was seen and has not been seen for half a second, the reason is requested once, from the camera
+/// that saw it last. One frame serves for all of them.
+void CameraFindings::watch_absences(const vision::Frame& frame, std::span<const core::Measurement> tags) {
+  constexpr double between = 2.0, between_searches = 5.0;  // [s]
+  const double now = frame.captured_at;
+  missing_.clear();
+  // A robot that was never seen is looked for again and again, since the operator may correct tags, light and camera
+  // meanwhile.
+  const bool search = wall_clock_ && !(now < next_search_);
+  if (search) next_search_ = now + between_searches;
+  for (std::size_t i = 0; i < absences_.size(); ++i) {
+    const core::Measurement& tag = tags[i];
+    if (tag.captured_at >= now || (!tag.ever_seen() && search)) absences_[i].seen(now);
+    if (absences_[i].due(now) && sights_.newest(i) <= tag.captured_at) missing_.push_back(missing_tag(i, tag));
+  }
+  if (missing_.empty() || now < next_absence_) return;
+  if (wall_clock_) {
+    const std::unique_lock lock(mutex_, std::try_to_lock);
+    if (!lock || absence_) return;
+    absence_.emplace(Question{frame, missing_});
+    asked_.notify_all();
+    next_absence_ = now + between;
+  }
+  for (std::size_t i = 0; i < absences_.size(); ++i)
+    for (const vision::MissingTag& tag : missing_)
+      if (wanted_[i] == tag.tag) absences_[i].ask();
+  if (!wall_clock_) explain(frame, missing_);
+}
+
+void CameraFindings::explain(const vision::Frame& frame, std::span<const vision::MissingTag> missing) {
+  if (!size_fault(frame, calibration_).empty()) return;
+  const std::vector<UnseenTag> unseen = why_not_seen(frame, missing);
+  const std::lock_guard lock(mutex_);
+  for (const UnseenTag& tag : unseen) {
+    const std::size_t robot = robot_of(tag.tag);
+    why_lost_[robot] = tag;
+    const bool ever = std::any_of(missing.begin(), missing.end(),
+                                  [&](const vision::MissingTag& one) { return one.tag == tag.tag && one.last; });
+    if (!ever) continue;  // it is no news that it is not there
+    found_.push(events::NotSeen{robot, tag.why});
+    alarms_.push_back(fmt::format("{}robot {} is lost: {}", prefix_, robot + 1, tag.text()));
+  }
+}
+
+std::vector<UnseenTag> CameraFindings::why_lost() const {
+  const std::lock_guard lock(mutex_);
+  return why_lost_;
+}
+
+events::CameraMoved CameraFindings::moved() const {
+  return {.camera = experiment_.cameras() == 1 ? events::only_camera : number_};
+}
+
+/// Now and then, and soon again where a sight is to be confirmed.
+void CameraFindings::watch_marks(const vision::Frame& frame) {
+  if (!marks_.watched || !size_fault(frame, calibration_).empty() ||
+      frame.captured_at < next_look_.load(std::memory_order_acquire))
+    return;
+  // The first ones, on which a start waits, are not left to a thread that a busy machine lets wait: robots still stand.
+  constexpr int most_own_looks = 4;
+  if (!wall_clock_ || (marks().sentence.empty() && own_looks_++ < most_own_looks)) return look_at_marks(frame);
+  const std::unique_lock lock(mutex_, std::try_to_lock);
+  if (!lock || floor_) return;
+  floor_.emplace(frame);
+  asked_.notify_all();
+}
+
+void CameraFindings::look_at_marks(const vision::Frame& frame) {
+  constexpr double between = 2.0, in_doubt = 0.5;  // [s]
+  next_look_.store(frame.captured_at + between, std::memory_order_release);
+  const bool was_blind = mark_watch_.blind() != nullptr;
+  const bool news = mark_watch_.update(frame);
+  if (mark_watch_.doubts()) next_look_.store(frame.captured_at + in_doubt, std::memory_order_release);
+  const std::optional<vision::MarkSight>& sight = mark_watch_.known();
+  if (!sight) return;
+  const vision::MarkSight* blind = mark_watch_.blind();
+  const std::string sentence = vision::sentence(blind ? *blind : *sight);
+  const bool has_moved = sight->state == vision::MarkSight::State::camera_moved;
+  events::CameraMoved event = moved();
+  event.by = sight->by;
+  event.turn = sight->turn;
+  event.marks = sight->moved.size();
+  const bool well = sight->state == vision::MarkSight::State::in_place;
+  const bool goes_on = experiment_.failure.camera_moved == FailureSpec::CameraMoved::go_on;
+  const std::lock_guard lock(mutex_);
+  marks_.known = vision::tells(sight->state);
+  marks_.moved = has_moved ? std::optional(event) : std::nullopt;
+  marks_.sentence = prefix_ + sentence;
+  // The part that stops the robots reports that they are stopped.
+  if (news && !well && (!has_moved || goes_on)) alarms_.push_back(prefix_ + sentence);
+  if (blind && !was_blind)
+    alarms_.push_back(fmt::format("{}{}; it has been so for {:g} s: clear the marks, or calibrate the floor anew",
+                                  prefix_, sentence, vision::MarkWatch::patience));
+  if (news && has_moved) found_.push(event);
+}
+
+MarksStatus CameraFindings::marks() const {
+  const std::lock_guard lock(mutex_);
+  MarksStatus status = marks_;
+  if (!status.moved) status.moved = scaled_;
+  return status;
+}
+
+/// Whether they are as large and as sharp as they should be, and stay so.
+void CameraFindings::watch_tags(double captured_at) {
+  const std::array sentences = {scale_watch_.update(captured_at, tracker_.stretch()),
+                                scale_watch_.update_change(captured_at, tracker_.scale_change()),
+                                focus_watch_.update(captured_at, tracker_.blur())};
+  const auto& scale = scale_watch_.moved();
+  const std::lock_guard lock(mutex_);
+  for (const std::string& sentence : sentences)
+    if (!sentence.empty()) alarms_.push_back(prefix_ + sentence);
+  if (scale.has_value() == scaled_.has_value()) return;
+  scaled_.reset();
+  if (!scale) return;
+  scaled_ = moved();
+  scaled_->tags = scale->tags;
+  scaled_->scale = scale->by;
+  found_.push(*scaled_);
+}
+
+}  // namespace skein::app

@@ -1,0 +1,82 @@
+#include "app/session/experiment_cameras.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <numbers>
+
+#include "app/calibration/calibration_file.h"
+#include "vision/tags/tag_family.h"
+
+namespace skein::app {
+namespace {
+
+/// The part of the arena that a synthetic camera sees: as many columns and rows as there are cameras, the longer side
+/// of the arena divided into more.
+vision::Calibration shared_floor(const Experiment& experiment, std::size_t number) {
+  constexpr double overlap = 0.1;  // over each border of its part, and the margin of overhead_calibration [m]
+  const std::size_t n = experiment.cameras();
+  if (n == 1) return vision::overhead_calibration(experiment.arena_width, experiment.arena_height);
+  std::size_t fewer = 1;
+  for (std::size_t k = 1; k * k <= n; ++k)
+    if (n % k == 0) fewer = k;
+  const bool wide = experiment.arena_width >= experiment.arena_height;
+  const std::size_t columns = std::max<std::size_t>(1, wide ? n / fewer : fewer), rows = n / columns;
+  const std::size_t column = number % columns, row = number / columns;
+  const double width = experiment.arena_width / static_cast<double>(columns);
+  const double height = experiment.arena_height / static_cast<double>(rows);
+  const Eigen::Vector2d centre((static_cast<double>(column) + 0.5) * width - 0.5 * experiment.arena_width,
+                               0.5 * experiment.arena_height - (static_cast<double>(row) + 0.5) * height);
+  const double along = width + (columns > 1 ? 2.0 * overlap : 0.0);
+  const double across = height + (rows > 1 ? 2.0 * overlap : 0.0);
+  if (along >= across) return vision::overhead_calibration(along, across, centre);
+  // A picture is wider than high: over a part that is not, the camera hangs turned by a right angle.
+  vision::Calibration camera = vision::overhead_calibration(across, along, {centre.y(), -centre.x()});
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.5 * std::numbers::pi, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  camera.world_from_camera->rotation = turn * camera.world_from_camera->rotation;
+  camera.world_from_camera->position = turn * camera.world_from_camera->position;
+  return camera;
+}
+
+tl::expected<vision::Calibration, std::string> calibration_as_filed(const Experiment& experiment, std::size_t number) {
+  const CameraSpec& camera = experiment.camera_at(number);
+  const std::string prefix = camera_prefix(experiment, number);
+  if (!camera.calibration.empty()) {
+    auto calibration = load_calibration(experiment.calibration_file(number));
+    if (!calibration) return tl::unexpected(prefix + calibration.error());
+    if (calibration->world_from_camera) return calibration;
+    return tl::unexpected(
+        fmt::format("{}camera.calibration: {} has no world frame, so that pixels cannot be placed on the floor", prefix,
+                    camera.calibration));
+  }
+  if (camera.kind() == CameraKind::synthetic) return shared_floor(experiment, number);
+  return tl::unexpected(
+      fmt::format("{}camera.calibration is missing: {} needs a calibration file", prefix, camera.source));
+}
+
+}  // namespace
+
+tl::expected<vision::Calibration, std::string> camera_calibration(const Experiment& experiment, std::size_t number) {
+  auto calibration = calibration_as_filed(experiment, number);
+  if (calibration && experiment.tag_size) calibration->tag_size = *experiment.tag_size;
+  return calibration;
+}
+
+std::vector<int> wanted_tags(const Experiment& experiment, bool every) {
+  std::vector<int> wanted;
+  wanted.reserve(every ? vision::largest_tag + 1 : experiment.robots.size());
+  for (const RobotSpec& robot : experiment.robots) wanted.push_back(robot.tag);
+  for (int tag = 0; every && tag <= vision::largest_tag; ++tag)
+    if (std::find(wanted.begin(), wanted.end(), tag) == wanted.end()) wanted.push_back(tag);
+  return wanted;
+}
+
+void update_newest(std::span<const vision::TagPose> seen, std::span<const int> wanted,
+                   std::span<core::Measurement> newest) {
+  for (const vision::TagPose& tag : seen)
+    for (std::size_t i = 0; i < newest.size(); ++i)
+      if (wanted[i] == tag.tag) newest[i] = {tag.pose, tag.captured_at, tag.sigma_xy, tag.sigma_theta, tag.how};
+}
+
+}  // namespace skein::app

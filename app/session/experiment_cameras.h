@@ -1,0 +1,28 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "app/experiment/experiment.h"
+#include "core/estimation/measurement.h"
+#include "vision/calibration/calibration.h"
+#include "vision/tags/tag_pose.h"
+
+namespace skein::app {
+
+/// The tags that an experiment looks for, those of its robots, in their order; `every`: followed by all other
+/// tags.
+std::vector<int> wanted_tags(const Experiment& experiment, bool every = false);
+/// Updates the newest measurement of each wanted tag that was seen in a frame.
+void update_newest(std::span<const vision::TagPose> seen, std::span<const int> wanted,
+                   std::span<core::Measurement> newest);
+
+/// The calibration of one of an experiment's cameras, from 0. Synthetic ones without a file share the arena: 2 side by
+/// side, 4 in two rows, and each sees at least 0.2 m of its neighbour's part. The error: it is missing, wrong, or has
+/// no world frame.
+tl::expected<vision::Calibration, std::string> camera_calibration(const Experiment& experiment, std::size_t number = 0);
+
+}  // namespace skein::app
