@@ -74,6 +74,15 @@ TEST_F(Editor, SaysItsVerdictInTheColoursOfThePaletteThatIsChosenWhileItIsOpen) 
   window.set_theme(Theme::light);
 }
 
+TEST_F(Editor, TakesKeysAtOnce) {
+  stand();
+  open_editor();
+  ASSERT_TRUE(eventually([&] { return text->hasFocus(); }));
+  const QString before = text->toPlainText();
+  QTest::keyClicks(editor->focusWidget(), QStringLiteral("# mine"));
+  EXPECT_EQ(text->toPlainText(), QStringLiteral("# mine") + before);
+}
+
 TEST_F(Editor, MarksWhatIsWrongAndRunsNoneOfIt) {
   stand();
   open_editor();

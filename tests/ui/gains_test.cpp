@@ -294,7 +294,7 @@ TEST_F(Gains, OfAPairAtItsLimitSayWhichOtherGainMakesRoom) {
                           "total to allow 0.0340")))
       << logged().toStdString();
   put(core::GainName::k_xx, 0, 2, "5");
-  EXPECT_TRUE(says(QStringLiteral("its limit: that takes a slower reference (18f)"))) << logged().toStdString();
+  EXPECT_TRUE(says(QStringLiteral("its limit: a larger one takes a slower reference (18f)"))) << logged().toStdString();
 }
 
 TEST_F(Gains, OfManyRobotsAreShownAsTheyAreInForce) {
@@ -507,7 +507,7 @@ TEST_F(GainRoom, IsSaidNotToBeThereWhereNoOtherGainMakesIt) {
   start();
   type(GainName::k_xx, 2.0 * live().gain_limit(GainName::k_xx));
   EXPECT_TRUE(eventually([&] {
-    return advice(GainName::k_xx).endsWith(QStringLiteral("that takes a slower reference (18f)"));
+    return advice(GainName::k_xx).endsWith(QStringLiteral("a larger one takes a slower reference (18f)"));
   })) << advice(GainName::k_xx).toStdString();
   const double all = live().gain_limit(GainName::k_yy) + target(GainName::k_tt);
   type(GainName::k_yy, all + 0.001);

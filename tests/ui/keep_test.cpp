@@ -70,6 +70,7 @@ TEST_F(Keep, ARunThatEndsHasAFolderThatIsFoundAndVerified) {
   window.open_recording(folder + QStringLiteral("/run.csv"));
   ASSERT_TRUE(eventually([&] { return window.windowTitle().contains(QStringLiteral("replay")); }));
   EXPECT_EQ(folders().size(), 1);
+  EXPECT_TRUE(window.windowTitle().contains(QDir(folder).dirName())) << "the record of every kept run is run.csv";
 }
 
 TEST_F(Keep, ARunThatAnotherOneEndsIsCompletedToo) {

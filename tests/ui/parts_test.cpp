@@ -4,9 +4,12 @@
 #include <QAccessible>
 #include <QApplication>
 #include <QClipboard>
+#include <QFileDialog>
+#include <QLineEdit>
 #include <QRegularExpression>
 #include <QSignalSpy>
 #include <QTableView>
+#include <QTemporaryDir>
 #include <QTest>
 #include <array>
 #include <cmath>
@@ -540,6 +543,45 @@ TEST(AlertStrip, SaysThatLimitsBiteAsLongAsTheyDo) {
   EXPECT_FALSE(drive(0.0, 0.8, app::limited).contains(QStringLiteral("LIMITED"))) << "a short one is no news";
   EXPECT_TRUE(drive(0.8, 2.0, app::limited).contains(QStringLiteral("robot 2")));
   EXPECT_FALSE(drive(2.0, 2.1, app::tracking).contains(QStringLiteral("LIMITED"))) << "it is over";
+}
+
+TEST(AlertStrip, SaysThatThereIsNoRouteUntilTheRobotDrives) {
+  AlertStrip strip;
+  app::TickRecord record;
+  record.phase = app::Phase::running;
+  record.robots.resize(3);
+  const auto drive = [&](double seconds, double v) {
+    for (const double end = record.t + seconds; record.t < end; record.t += 0.04) {
+      record.robots[2].command.v = v;
+      strip.show_record(record);
+      record.events.clear();
+    }
+    return strip.text();
+  };
+  record.events.add(app::events::NoWay{2, app::events::nobody, 0.0018});
+  EXPECT_TRUE(drive(20.0, 0.0).contains(QStringLiteral("Robot 3 waits: no route to its place leaves the 1.8 mm")))
+      << strip.text().toStdString();
+  EXPECT_FALSE(drive(1.0, 0.08).contains(QStringLiteral("waits"))) << "it drives";
+  record.events.add(app::events::NoWay{0});
+  record.events.add(app::events::NoWay{2});
+  EXPECT_TRUE(drive(1.0, 0.0).contains(QStringLiteral("Robots 1, 3 stand"))) << strip.text().toStdString();
+  record.phase = app::Phase::stopped;
+  EXPECT_FALSE(drive(0.1, 0.0).contains(QStringLiteral("stand"))) << "the run is over";
+}
+
+TEST(FileDialog, BeginsInTheNearestFolderThatExists) {
+  QTemporaryDir folder;
+  QWidget window;
+  const auto directory_for = [&](const QString& asked) {
+    QFileDialog* dialog = file_dialog(&window, {QStringLiteral("Open"), QStringLiteral("test_dialog"), {}, asked, {}});
+    const QString begins = dialog->directory().path();
+    const bool file_named = !dialog->findChild<QLineEdit*>()->text().isEmpty();
+    delete dialog;
+    EXPECT_FALSE(file_named) << "the folder's name, taken for a file's";
+    return begins;
+  };
+  EXPECT_EQ(directory_for(folder.path()), folder.path());
+  EXPECT_EQ(directory_for(folder.filePath(QStringLiteral("skein/runs"))), folder.path());
 }
 
 TEST(AlertStrip, SaysWhyARobotIsNotSeenAsLongAsItIsLost) {

@@ -5,6 +5,7 @@
 #include <QClipboard>
 #include <QHeaderView>
 #include <QLabel>
+#include <QPushButton>
 #include <QScrollArea>
 #include <QScrollBar>
 #include <QTableWidget>
@@ -192,6 +193,23 @@ TEST_F(Results, NameTheirKicksInSentences) {
       << table->item(1, 0)->toolTip().toStdString();
   find<QPushButton>("copy_results")->click();
   EXPECT_TRUE(QGuiApplication::clipboard()->text().contains(QStringLiteral("Robot 2 was moved by hand")));
+}
+
+TEST_F(Results, FitIntoANarrowPanel) {
+  app::Experiment experiment;
+  const std::vector<app::TickRecord> rows = run({"duration=25"}, experiment);
+  ResultPanel panel;
+  panel.resize(320, 300);
+  panel.show();
+  panel.show_experiment(experiment);
+  for (const app::TickRecord& row : rows) panel.show_record(row);
+  panel.refresh();
+  const auto* scroll = panel.findChild<QScrollArea*>();
+  const auto* save = panel.findChild<QPushButton*>(QStringLiteral("save_results"));
+  ASSERT_EQ(panel.width(), 320);
+  EXPECT_TRUE(eventually([&] { return scroll->widget()->width() <= scroll->viewport()->width(); }))
+      << scroll->widget()->width() << " px in " << scroll->viewport()->width();
+  EXPECT_LE(save->mapTo(scroll->widget(), QPoint(save->width(), 0)).x(), scroll->viewport()->width());
 }
 
 TEST_F(Results, SayWhatAComparedRunDidOtherwise) {

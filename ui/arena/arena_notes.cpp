@@ -189,15 +189,16 @@ QSizeF ArenaPainter::chip_size(const QString& text, double width, bool bold) con
   return {size.width() + 2 * chip_beside + more, size.height() + 2 * chip_above};
 }
 
-/// How many robots, badges and obstacles a message here would hide; one that lies over another text counts as all, and
-/// one more.
+/// How much a message here would hide: a robot or its badge counts more than all obstacles, another text as everything
+/// and more.
 std::size_t ArenaPainter::hidden_by(const QRectF& card) const {
   const bool over_text =
       std::any_of(written_.begin(), written_.end(), [&](const QRectF& text) { return card.intersects(text); });
-  std::size_t count = over_text ? bodies_.size() + 1 : 0;
-  for (const auto& [centre, radius] : bodies_)
-    count += card.adjusted(-radius, -radius, radius, radius).contains(centre) ? 1 : 0;
-  return count;
+  std::size_t hidden = over_text ? 1 : 0;
+  for (const Body& body : bodies_)
+    if (over_text || card.adjusted(-body.radius, -body.radius, body.radius, body.radius).contains(body.centre))
+      hidden += body.weight;
+  return hidden;
 }
 
 /// Where a message hides no robot, no obstacle and no other message, or else fewest: as wide as it may be, high up or
@@ -236,17 +237,20 @@ QRectF ArenaPainter::freest(const QRectF& widget, const std::function<QSizeF(dou
 /// The banner with its alert high up and the hint low down, where they hide neither robots, their badges nor obstacles.
 void ArenaPainter::messages(const QRectF& widget) {
   constexpr double gap = 8.0;
+  constexpr std::size_t obstacle_weight = 1;
+  const std::size_t robot_weight = scene_.circumstances.obstacles.size() + 1;
   for (std::size_t i = 0; i < scene_.experiment.robots.size(); ++i)
     if (const auto pose = scene_.pose(i)) {
       const QPointF centre = at(pose->x, pose->y);
       const double radius = scene_.radius(i) * map_.scale_at({pose->x, pose->y});
-      bodies_.emplace_back(centre, radius);
+      bodies_.push_back({centre, radius, robot_weight});
       if (scene_.record && !scene_.style_of(i, c_).symbol.isEmpty())
-        bodies_.emplace_back(badge_place(centre, radius), badge_radius(radius) + 1.0);
+        bodies_.push_back({badge_place(centre, radius), badge_radius(radius) + 1.0, robot_weight});
     }
   for (const core::Obstacle& obstacle : scene_.circumstances.obstacles)
     if (obstacle.radius > 0.0)
-      bodies_.emplace_back(at(obstacle.x, obstacle.y), obstacle.radius * map_.scale_at({obstacle.x, obstacle.y}));
+      bodies_.push_back(
+          {at(obstacle.x, obstacle.y), obstacle.radius * map_.scale_at({obstacle.x, obstacle.y}), obstacle_weight});
   const auto said_in = [&](double width) {
     const QSizeF banner = chip_size(scene_.banner, width, true), alert = chip_size(scene_.alert, width, false);
     const double between = scene_.banner.isEmpty() || scene_.alert.isEmpty() ? 0.0 : gap;

@@ -56,9 +56,14 @@ class ArenaPainter {
   const ArenaScene& scene_;
   const ArenaMap& map_;
   const Colours& c_;
-  QRectF scale_;                                    // where the scale stands
-  std::vector<QRectF> written_;                     // messages and notes, which others should not cover
-  std::vector<std::pair<QPointF, double>> bodies_;  // robots and obstacles, with their radius [px]: not to be hidden
+  QRectF scale_;                 // where the scale stands
+  std::vector<QRectF> written_;  // messages and notes, which others should not cover
+  struct Body {
+    QPointF centre;
+    double radius;  // [px]
+    std::size_t weight;
+  };
+  std::vector<Body> bodies_;  // robots and obstacles, which messages should not hide
 };
 
 }  // namespace skein::ui

@@ -26,6 +26,16 @@ QRect inside(const QRect& rectangle, const QRect& room) {
   return moved;
 }
 
+/// The folder, or the nearest above it that exists: Qt takes the name of one that does not exist for a file's.
+QString existing(QString folder) {
+  while (!folder.isEmpty() && !QFileInfo(folder).isDir()) {
+    const QString above = QFileInfo(folder).path();
+    if (above == folder) return {};
+    folder = above;
+  }
+  return folder;
+}
+
 }  // namespace
 
 void close_by_key(QDialog* dialog) {
@@ -34,7 +44,7 @@ void close_by_key(QDialog* dialog) {
 }
 
 QFileDialog* file_dialog(QWidget* parent, const FileQuestion& question) {
-  auto* dialog = new QFileDialog(parent, question.title, question.directory, question.filter);
+  auto* dialog = new QFileDialog(parent, question.title, existing(question.directory), question.filter);
   dialog->setObjectName(question.name);
   dialog->setOption(QFileDialog::DontUseNativeDialog);
   dialog->setAttribute(Qt::WA_DeleteOnClose);

@@ -1,6 +1,5 @@
 #include "ui/main/comparison_controller.h"
 
-#include <QFileInfo>
 #include <algorithm>
 #include <cmath>
 
@@ -10,6 +9,7 @@
 #include "ui/main/recording_controller.h"
 #include "ui/plots/comparison_bar.h"
 #include "ui/plots/plots_panel.h"
+#include "ui/run/run_name.h"
 
 namespace skein::ui {
 namespace {
@@ -55,7 +55,7 @@ void ComparisonController::ask() {
 
 void ComparisonController::load(const QString& file) {
   if (loader_.is_busy()) return waiting_.append(file);
-  messages_.say(reading_text(QFileInfo(file).fileName()), Severity::note);
+  messages_.say(reading_text(run_name(file)), Severity::note);
   loader_.load(file.toStdString());
 }
 
@@ -119,7 +119,7 @@ void ComparisonController::align(int kick) {
 
 void ComparisonController::add(ReplayRun::Recording recording) {
   const std::size_t robots = runs_.shown().experiment().robots.size();
-  QString name = QFileInfo(QString::fromStdString(recording->file)).fileName();
+  QString name = run_name(QString::fromStdString(recording->file));
   if (recording->experiment.robots.size() != robots) {
     messages_.problem(
         tr("These runs cannot be compared"),

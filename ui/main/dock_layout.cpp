@@ -3,6 +3,7 @@
 #include <QApplication>
 #include <QEvent>
 #include <QMenu>
+#include <QScreen>
 #include <QScrollArea>
 #include <QScrollBar>
 #include <QTimer>
@@ -75,7 +76,7 @@ void DockLayout::set_usual() {
 
 void DockLayout::stack_columns() {
   constexpr int room_for_two = 1000;  // columns beside the arena [px]
-  const bool narrow = window_->width() < room_for_two;
+  const bool narrow = window_->width() < room_for_two || !columns_fit_screen();
   if (narrow == stacked_) return;
   const bool usual = stacked_ ? window_->tabifiedDockWidgets(gains_).contains(plots_)
                               : window_->dockWidgetArea(gains_) == Qt::LeftDockWidgetArea &&
@@ -87,6 +88,14 @@ void DockLayout::stack_columns() {
     window_->addDockWidget(Qt::RightDockWidgetArea, plots_);
   }
   stacked_ = narrow && usual;
+}
+
+/// Whether both columns and the arena are no wider than the screen: with a large font they may be, and STOP with them.
+bool DockLayout::columns_fit_screen() const {
+  int least = window_->centralWidget() ? window_->centralWidget()->minimumSizeHint().width() : 0;
+  for (const QDockWidget* column : {gains_, plots_})
+    least += std::max(column->minimumWidth(), column->minimumSizeHint().width());
+  return least <= window_->screen()->availableGeometry().width();
 }
 
 void DockLayout::fit() {
@@ -139,6 +148,10 @@ void DockLayout::restore(const QSettings& stored) {
   keep_on_screen(window_);
   restored_ = window_->restoreState(stored.value(QStringLiteral("layout")).toByteArray(), layout_version);
   if (restored_) stacked_ = stored.value(QStringLiteral("stacked")).toBool();
+  if (columns_fit_screen()) return;
+  stack_columns();  // the font, or the screen, is another one than the last time
+  window_->resize(fitting(window_->size(), window_));
+  keep_on_screen(window_);
 }
 
 void DockLayout::store(QSettings& stored) const {

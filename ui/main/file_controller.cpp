@@ -10,6 +10,7 @@
 #include "ui/base/dialogs.h"
 #include "ui/base/number_text.h"
 #include "ui/base/settings.h"
+#include "ui/run/run_name.h"
 
 namespace skein::ui {
 namespace {
@@ -41,7 +42,7 @@ void FileController::build_menu(QMenu* file) {
     recent->clear();
     for (const QString& path : recent_files()) {
       if (!QFileInfo::exists(path)) continue;
-      QAction* entry = recent->addAction(QFileInfo(path).fileName(), this, [this, path] { open(path); });
+      QAction* entry = recent->addAction(run_name(path), this, [this, path] { open(path); });
       entry->setToolTip(path);
     }
     if (recent->isEmpty()) recent->addAction(tr("No file has been opened yet"))->setEnabled(false);
@@ -83,7 +84,7 @@ void FileController::open(const QString& file) {
     return;
   }
   emit superseded();
-  file_ = QFileInfo(file).fileName();
+  file_ = run_name(file);
   messages_.say(reading_text(file_), Severity::note);
   reading_.run([file](const std::stop_token&) { return read(file); });
 }

@@ -52,10 +52,10 @@ QString four_places(double value) {
 /// Where no gain makes room. `fixed`: of k_x and k_theta, which the file then has.
 QString slower_reference(core::GainName gain, bool fixed) {
   if (core::shares_limit_with(gain))
-    return fixed ? tr("that takes a slower reference, or a smaller k_theta in the file (18g)")
-                 : tr("that takes a slower reference (18g)");
-  return fixed ? tr("that takes a slower reference, or a smaller k_x in the file (18f)")
-               : tr("that takes a slower reference (18f)");
+    return fixed ? tr("a larger one takes a slower reference, or a smaller k_theta in the file (18g)")
+                 : tr("a larger one takes a slower reference (18g)");
+  return fixed ? tr("a larger one takes a slower reference, or a smaller k_x in the file (18f)")
+               : tr("a larger one takes a slower reference (18f)");
 }
 
 }  // namespace

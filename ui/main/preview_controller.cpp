@@ -37,7 +37,8 @@ PreviewController::PreviewController(const Runs& runs, GainsPanel* gains, ArenaV
   connect(&look_ahead_, &LookAhead::failed, this, &PreviewController::fail);
 }
 
-void PreviewController::hold_gain(core::GainName gain, double value) {
+void PreviewController::hold_gain(core::GainName gain, double wanted) {
+  const double value = std::min(wanted, runs_.live().gain_limit(gain));  // where the run would hold it
   hold(app::commands::SetGain{gain, value, gains_->ramp()},
        QStringLiteral("%1 %2").arg(gain_symbol(gain)).arg(value, 0, 'f', 4));
 }

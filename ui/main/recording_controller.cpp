@@ -40,10 +40,12 @@ RecordingController::RecordingController(LiveRun& live, const Messages& messages
   connect(&live_, &LiveRun::starting, this, &RecordingController::record_if_wanted);
   connect(&live_, &LiveRun::starting, this, &RecordingController::keep_if_wanted);
   connect(&live_, &LiveRun::kept, this, [this](const QString& folder, const QString& problem) {
+    // Its files take a moment, in which the next run may have been set up.
+    const QString kept = folder == live_.kept_folder() ? tr("Kept in %1") : tr("The run before is kept in %1");
     if (problem.isEmpty())
-      messages_.note(tr("Kept in %1").arg(folder), Severity::good);
+      messages_.note(kept.arg(folder), Severity::good);
     else
-      messages_.note(tr("Kept in %1, but incomplete: %2").arg(folder, problem), Severity::warning);
+      messages_.note(tr("%1, but incomplete: %2").arg(kept.arg(folder), problem), Severity::warning);
   });
   connect(&live_, &LiveRun::keeping_failed, this, [this](const QString& problem) {
     messages_.note_unkept(tr("the kept record of this run ends here, the run goes on: %1").arg(problem));

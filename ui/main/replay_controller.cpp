@@ -1,9 +1,8 @@
 #include "ui/main/replay_controller.h"
 
-#include <QFileInfo>
-
 #include "ui/base/dialogs.h"
 #include "ui/main/recording_controller.h"
+#include "ui/run/run_name.h"
 
 namespace skein::ui {
 
@@ -28,7 +27,7 @@ void ReplayController::build_menu(QMenu* file) {
 }
 
 void ReplayController::load(const QString& file) {
-  file_ = QFileInfo(file).fileName();
+  file_ = run_name(file);
   messages_.say(reading_text(file_), Severity::note);
   loader_.load(file.toStdString());
 }

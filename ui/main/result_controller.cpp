@@ -11,6 +11,7 @@
 #include "app/runs/run_page.h"
 #include "ui/main/recording_controller.h"
 #include "ui/results/result_panel.h"
+#include "ui/run/run_name.h"
 
 namespace skein::ui {
 
@@ -24,10 +25,9 @@ void ResultController::save() {
   const RunSource& run = runs_.shown();
   RunHistory::Rows rows = run.rows();
   if (rows.empty()) return messages_.say(tr("There is no run yet to save"), Severity::notice);
-  const QFileInfo recording(run.is_complete() ? QString::fromStdString(runs_.replay().recording()->file) : QString());
-  const bool kept = recording.fileName() == QLatin1String(app::run_files::record) &&
-                    recording.dir().exists(QLatin1String(app::run_files::story));
-  const QString folder = kept ? recording.absolutePath() : RecordingController::path(run.experiment(), {});
+  const QString recording = run.is_complete() ? QString::fromStdString(runs_.replay().recording()->file) : QString();
+  const bool kept = is_kept_record(recording);
+  const QString folder = kept ? QFileInfo(recording).absolutePath() : RecordingController::path(run.experiment(), {});
   if (folder.isEmpty() || !QDir().mkpath(folder))
     return messages_.problem(
         tr("The report was not saved"),

@@ -47,7 +47,6 @@ void ComparisonBar::show_runs(const std::vector<Run>& runs) {
     button->setFocusPolicy(Qt::StrongFocus);
     button->setToolButtonStyle(Qt::ToolButtonTextBesideIcon);
     button->setIconSize({36, 12});
-    button->setToolTip(tr("Draws this run, or leaves it out"));
     button->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Fixed);
     connect(button, &QToolButton::clicked, this, [this, k](bool on) { emit switched(static_cast<int>(k), on); });
     switches_->addWidget(button);
@@ -56,6 +55,7 @@ void ComparisonBar::show_runs(const std::vector<Run>& runs) {
   for (std::size_t k = 0; k < runs.size(); ++k) {
     const QString text = QStringLiteral("%1  %2").arg(compared_letter(k), runs[k].name);
     buttons_[k]->setText(text);
+    buttons_[k]->setToolTip(tr("Draws this run, or leaves it out: %1").arg(runs[k].name));
     buttons_[k]->setAccessibleName(tr("Compared run %1").arg(text));
     buttons_[k]->setChecked(runs[k].shown);
   }

@@ -2,7 +2,6 @@
 
 #include <QClipboard>
 #include <QGuiApplication>
-#include <QHBoxLayout>
 #include <QHeaderView>
 #include <QScrollArea>
 #include <QScrollBar>
@@ -10,6 +9,7 @@
 #include <QVBoxLayout>
 #include <algorithm>
 
+#include "ui/base/flow_layout.h"
 #include "ui/base/palette.h"
 
 namespace skein::ui {
@@ -92,13 +92,11 @@ ResultPanel::ResultPanel(QWidget* parent)
   content->setSpacing(2);
   content->addWidget(table_);
   content->addWidget(rest_);
-  auto* row = new QHBoxLayout;
-  row->setContentsMargins(6, 0, 6, 2);
-  row->addWidget(copy_text_);
-  row->addWidget(copy_latex_);
-  row->addWidget(save_);
-  row->addStretch();
-  content->addLayout(row);
+  auto* buttons = new QWidget;
+  auto* flow = new FlowLayout(buttons);  // a row of three would make a narrow panel wider than its place
+  flow->setContentsMargins(6, 0, 6, 2);
+  for (QPushButton* each : {copy_text_, copy_latex_, save_}) flow->addWidget(each);
+  content->addWidget(buttons);
   content->addStretch();
   auto* scroll = new QScrollArea(this);
   scroll->setWidget(inside);

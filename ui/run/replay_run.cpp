@@ -1,9 +1,9 @@
 #include "ui/run/replay_run.h"
 
-#include <QFileInfo>
 #include <algorithm>
 
 #include "app/session/readiness.h"
+#include "ui/run/run_name.h"
 
 namespace skein::ui {
 namespace {
@@ -57,7 +57,7 @@ void ReplayRun::begin() {
 }
 
 QString ReplayRun::title() const {
-  return tr("%1 (replay)").arg(QFileInfo(QString::fromStdString(run_->file)).fileName());
+  return tr("%1 (replay)").arg(run_name(QString::fromStdString(run_->file)));
 }
 
 QStringList ReplayRun::verdict() const {

@@ -19,7 +19,7 @@ const QString between = QStringLiteral("   ·   ");
 bool said_elsewhere(const app::Event& event) {
   using namespace app::events;
   return app::is<Start, Pause, Resume, Stop, Gain, Schedule, ScheduleTracking, PairGain, Lost, Found, Avoid, Clear,
-                 app::events::Stage, Staged, Deadlock, VRise>(event);
+                 app::events::Stage, Staged, Deadlock, VRise, NoWay>(event);
 }
 
 }  // namespace
@@ -44,6 +44,8 @@ void AlertStrip::show_record(const app::TickRecord& record) {
     if (const auto* const found = std::get_if<app::events::Found>(&event))
       lost_.erase(static_cast<int>(found->robot) + 1);
     if (app::is<app::events::VRise>(event)) v_rose_at_ = record.t;
+    if (const auto* const no_way = std::get_if<app::events::NoWay>(&event))
+      no_way_.insert_or_assign(static_cast<int>(no_way->robot) + 1, NoWay{sentence(event), record.t});
     if (!held_ && !said_elsewhere(event))
       say(tr("%1 s: ").arg(record.t, 0, 'f', 1) + sentence(event), ui::severity(event));
   }
@@ -81,6 +83,7 @@ void AlertStrip::watch(const app::TickRecord& record) {
     if (!over && robot.link.state && *robot.link.state != app::LinkState::up)
       out << tr("%1 (%2)").arg(i + 1).arg(QLatin1String(app::word(*robot.link.state).data()));
   }
+  watch_ways(record);
   const auto join = [](const QStringList& robots) { return robots.join(QStringLiteral(", ")); };
   stand(State::limited,
         limited.isEmpty()
@@ -96,6 +99,29 @@ void AlertStrip::watch(const app::TickRecord& record) {
         std::isnan(v_rose_at_) ? QString()
                                : tr("V RISES more than known causes explain: a robot does not execute its commands. "
                                     "The run goes on: look for the robot that leaves its place, and STOP if in doubt"),
+        Severity::warning);
+}
+
+/// Until the robot drives: a route may have been found, or the shield alone may let it pass.
+void AlertStrip::watch_ways(const app::TickRecord& record) {
+  constexpr double drives = 0.01;  // [m/s]
+  constexpr double lasts = 0.5;    // [s]
+  const bool running = record.phase == app::Phase::running;
+  const auto is_over = [&](int robot, NoWay& way) {
+    const auto i = static_cast<std::size_t>(robot) - 1;
+    if (!running || i >= record.robots.size() || record.t < way.stood_at) return true;
+    if (std::abs(record.robots[i].command.v) < drives) way.stood_at = record.t;
+    return record.t - way.stood_at > lasts;
+  };
+  for (auto way = no_way_.begin(); way != no_way_.end();)
+    way = is_over(way->first, way->second) ? no_way_.erase(way) : std::next(way);
+  QStringList robots;
+  for (const auto& [robot, way] : no_way_) robots << QString::number(robot);
+  stand(State::no_way,
+        no_way_.empty()       ? QString()
+        : no_way_.size() == 1 ? no_way_.begin()->second.sentence
+                              : tr("Robots %1 stand: no route leads to their places (Events says why)")
+                                    .arg(robots.join(QStringLiteral(", "))),
         Severity::warning);
 }
 
@@ -147,6 +173,7 @@ void AlertStrip::hold(const QString& text, Severity severity) {
 void AlertStrip::clear_alert() {
   held_.reset();
   lost_.clear();
+  no_way_.clear();
   limited_since_.clear();
   v_rose_at_ = app::none;
   states_.clear();

@@ -52,7 +52,7 @@ class AlertStrip final : public QLabel {
 
  private:
   /// The first is shown if two are equally severe.
-  enum class State { lost, link, battery, v_rises, limited, unguarded, unkept };
+  enum class State { lost, link, battery, v_rises, no_way, limited, unguarded, unkept };
   struct Said {
     QString text;
     Severity severity = Severity::note;
@@ -61,6 +61,7 @@ class AlertStrip final : public QLabel {
   };
 
   void watch(const app::TickRecord& record);
+  void watch_ways(const app::TickRecord& record);
   void stand(State state, const QString& text, Severity severity, Also also = Also::nowhere);  // empty: it is over
   void choose();
   void choose_beside_held();
@@ -69,7 +70,12 @@ class AlertStrip final : public QLabel {
   void show(const Said& shown);
   void show_text();
 
-  std::map<int, QString> lost_;        // robots without a tag, from 1, and why it is not seen; empty: not known
+  std::map<int, QString> lost_;  // robots without a tag, from 1, and why it is not seen; empty: not known
+  struct NoWay {
+    QString sentence;
+    double stood_at;  // for the last time [s]
+  };
+  std::map<int, NoWay> no_way_;        // robots that stand since they have no route, from 1
   std::vector<double> limited_since_;  // limits that bite: since when, NaN: not limited [s]
   double v_rose_at_ = 0.0;             // [s]
   std::map<State, Said> states_;
