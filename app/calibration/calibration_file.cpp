@@ -1,14 +1,16 @@
 #include "app/calibration/calibration_file.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <Eigen/Core>
 #include <Eigen/LU>
 #include <algorithm>
-#include <fstream>
-#include <sstream>
+#include <cerrno>
+#include <cstring>
 
 #include "app/calibration/floor_mark_keys.h"
+#include "app/experiment/file_change.h"
 #include "app/experiment/text_file.h"
 #include "app/experiment/toml_table.h"
 
@@ -173,31 +175,66 @@ std::string format_calibration(const Calibration& calibration) {
   return text;
 }
 
+tl::expected<void, std::string> check_calibration_target(const std::filesystem::path& path) {
+  namespace fs = std::filesystem;
+  const auto refuse = [&](std::string_view why) {
+    return tl::unexpected(fmt::format("{}: the calibration cannot be written there: {}", path.string(), why));
+  };
+  std::error_code ignored;
+  const fs::file_status there = fs::status(path, ignored);
+  if (fs::is_directory(there)) return refuse("it is a folder, allowed: the name of a file");
+  if (fs::exists(there) && !fs::is_regular_file(there)) return refuse("it is a device or a FIFO, allowed: a file");
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  if (!fs::is_directory(folder, ignored)) return refuse(fmt::format("there is no folder {}", folder.string()));
+  if (::access(folder.c_str(), W_OK | X_OK) != 0)
+    return refuse(fmt::format("nothing can be written to the folder {} ({})", folder.string(), std::strerror(errno)));
+  return {};
+}
+
+namespace {
+
+/// Where the previous contents of a file go: beside it, as ".old", or ".old-2" where that is a link or a file to be
+/// left.
+std::filesystem::path name_for_old(const std::filesystem::path& path, std::span<const std::string> leave) {
+  for (int number = 1;; ++number) {
+    std::filesystem::path old = path;
+    old += number == 1 ? ".old" : fmt::format(".old-{}", number);
+    std::error_code ignored;
+    const bool left = std::any_of(leave.begin(), leave.end(), [&](const std::string& file) {
+      return !file.empty() && std::filesystem::equivalent(old, file, ignored);
+    });
+    if (!left && !std::filesystem::is_symlink(old, ignored)) return old;
+  }
+}
+
+}  // namespace
+
 tl::expected<std::filesystem::path, std::string> replace_calibration(const Calibration& calibration,
-                                                                     const std::filesystem::path& path) {
+                                                                     const std::filesystem::path& path,
+                                                                     std::span<const std::string> leave) {
+  if (auto possible = check_calibration_target(path); !possible) return tl::unexpected(possible.error());
   std::filesystem::path old;
-  std::ostringstream before;
-  if (std::ifstream file(path, std::ios::binary); file) before << file.rdbuf();
-  if (!before.str().empty() && before.str() != format_calibration(calibration)) {
-    old = path;
-    old += ".old";
-    std::error_code error;
-    std::filesystem::copy_file(path, old, std::filesystem::copy_options::overwrite_existing, error);
-    if (error)
-      return tl::unexpected(
-          fmt::format("{}: the previous contents of {} cannot be saved there ({}); nothing was written", old.string(),
-                      path.string(), error.message()));
+  std::error_code ignored;
+  if (std::filesystem::exists(path, ignored)) {
+    const auto before = read_text(path.string());
+    if (!before) return tl::unexpected(before.error().front().message() + "; nothing was written");
+    if (!before->empty() && *before != format_calibration(calibration)) {
+      old = name_for_old(path, leave);
+      auto kept = FileChange::begin(old.string());
+      if (const auto saved = kept ? kept->save(*before) : tl::unexpected(kept.error()); !saved)
+        return tl::unexpected(fmt::format("{} (the previous contents of {} are to be saved there); nothing was written",
+                                          saved.error(), path.string()));
+    }
   }
   if (auto saved = save_calibration(calibration, path); !saved) return tl::unexpected(saved.error());
   return old;
 }
 
 tl::expected<void, std::string> save_calibration(const Calibration& calibration, const std::filesystem::path& path) {
-  std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  file << format_calibration(calibration);
-  file.close();
-  if (!file) return tl::unexpected(fmt::format("{}: the calibration file cannot be written", path.string()));
-  return {};
+  if (auto possible = check_calibration_target(path); !possible) return possible;
+  auto change = FileChange::begin(path.string());
+  if (!change) return tl::unexpected(change.error());
+  return change->save(format_calibration(calibration));
 }
 
 }  // namespace skein::app

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -12,6 +13,7 @@
 
 #include "app/calibration/calibration_file.h"
 #include "app/calibration/floor_marks_file.h"
+#include "app/cli/same_file.h"
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
 #include "app/run/output.h"
@@ -145,6 +147,8 @@ void print_shift(const vision::PoseShift& shift) {
 int calibrate_intrinsics(const IntrinsicsRequest& request) {
   if (const std::string problem = vision::check(request.board); !problem.empty())
     return fail_with(problem, wrong_input);
+  if (const auto possible = check_calibration_target(request.out); !possible)
+    return fail_with(possible.error(), wrong_input);
   int status = done;
   const auto source = open(request.source, request.words, nullptr, status);
   if (!source) return status;
@@ -234,6 +238,11 @@ int calibrate_intrinsics(const IntrinsicsRequest& request) {
 }
 
 int calibrate_floor(const FloorRequest& request) {
+  const std::string out = request.out.empty() ? request.camera : request.out;
+  if (const auto possible = check_calibration_target(out); !possible) return fail_with(possible.error(), wrong_input);
+  if (same_file(out, request.marks))
+    return fail_with(fmt::format("{}: is the file of the marks, allowed: another name for the calibration", out),
+                     wrong_input);
   int status = done;
   auto looked = look(request, /*need_world=*/false, status);
   if (!looked) return status;
@@ -260,8 +269,7 @@ int calibrate_floor(const FloorRequest& request) {
   const auto check = vision::check_floor(*result, looked->marks);
   if (!check) return fail_with(check.error(), device_failed);
   result->marks = vision::kept_marks(*solved, looked->marks, looked->sight);
-  const std::string out = request.out.empty() ? request.camera : request.out;
-  const auto old = replace_calibration(*result, out);
+  const auto old = replace_calibration(*result, out, std::array{request.camera, request.marks});
   if (!old) return fail_with(old.error(), wrong_input);
   if (!old->empty()) complain(fmt::format("{} was overwritten; its previous contents are in {}", out, old->string()));
   if (!request.quiet) {
@@ -318,6 +326,7 @@ std::vector<int> parse_ids(const std::string& text) {
 }
 
 int print_tags(const TagsRequest& request) {
+  end_by_interrupts();
   tl::expected<std::vector<vision::Page>, std::string> pages;
   if (request.is_board) {
     pages = vision::board_sheet(request.board, request.paper);
@@ -329,8 +338,13 @@ int print_tags(const TagsRequest& request) {
   if (!pages) return fail_with(pages.error(), wrong_input);
   std::error_code ignored;
   for (const std::string& file : vision::sheet_files(pages->size(), request.out))
-    if (!request.force && std::filesystem::is_regular_file(file, ignored))
-      return fail_with(fmt::format("{}: already exists, allowed: another name, or --force", file), wrong_input);
+    if (const auto there = std::filesystem::status(file, ignored); std::filesystem::exists(there)) {
+      if (!std::filesystem::is_regular_file(there))
+        return fail_with(fmt::format("{}: is a folder, a device or a FIFO, allowed: the name of a file", file),
+                         wrong_input);
+      if (!request.force)
+        return fail_with(fmt::format("{}: already exists, allowed: another name, or --force", file), wrong_input);
+    }
   const auto written = vision::write_sheet(*pages, request.out);
   if (!written) return fail_with(written.error(), wrong_input);
   for (const std::string& file : *written) fmt::print("{}\n", shown(file));

@@ -2,7 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
+#include <charconv>
+#include <system_error>
 
 #include "app/experiment/experiment.h"
 #include "app/manual/whole_number.h"
@@ -39,10 +40,12 @@ bool VisionCommands::BoardWords::read(vision::Board& board) const {
   board.square = 1e-3 * square_mm;
   board.marker = 1e-3 * marker_mm;
   board.bits = bits;
-  int read = 0;
-  if (std::sscanf(squares.c_str(), "%dx%d%n", &board.columns, &board.rows, &read) == 2 &&
-      read == static_cast<int>(squares.size()))
-    return true;
+  const char* const end = squares.data() + squares.size();
+  const auto columns = std::from_chars(squares.data(), end, board.columns);
+  if (columns.ec == std::errc() && columns.ptr != end && *columns.ptr == 'x') {
+    const auto rows = std::from_chars(columns.ptr + 1, end, board.rows);
+    if (rows.ec == std::errc() && rows.ptr == end) return true;
+  }
   complain(fmt::format("--squares {}; allowed: columns x rows, such as 12x8", squares));
   return false;
 }

@@ -67,8 +67,11 @@ tl::expected<double, std::string> write_here() {
   std::string name = ".skein-doctor-XXXXXX";
   const int file = ::mkostemp(name.data(), O_CLOEXEC);
   const auto failed = [&] {
-    return tl::unexpected(fmt::format("nothing can be written here ({}): {}", std::filesystem::current_path().string(),
-                                      std::strerror(errno)));
+    const std::string why = std::strerror(errno);
+    std::error_code gone;
+    const std::string here = std::filesystem::current_path(gone).string();
+    return tl::unexpected(
+        fmt::format("nothing can be written here ({}): {}", gone ? "a folder that was removed" : here, why));
   };
   if (file < 0) return failed();
   ::unlink(name.c_str());

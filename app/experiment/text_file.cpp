@@ -1,11 +1,11 @@
 #include "app/experiment/text_file.h"
 
+#include <array>
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 
 namespace skein::app {
 
@@ -44,7 +44,10 @@ tl::expected<std::string, std::vector<Problem>> read_text(const std::string& pat
   std::string text(not_known ? 0 : size, '\0');  // at once, which is faster than one by one
   in.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<std::size_t>(in.gcount()));
-  text.append(std::istreambuf_iterator<char>(in), {});  // of one that grows, or has no size
+  for (std::array<char, 4096> more; in;) {  // of one that grows, or has no size
+    in.read(more.data(), more.size());
+    text.append(more.data(), static_cast<std::size_t>(in.gcount()));
+  }
   if (in.bad()) return unreadable(std::strerror(errno));
   return text;
 }

@@ -183,8 +183,17 @@ tl::expected<std::vector<std::string>, std::string> write_sheet(const std::vecto
   const std::vector<std::string> names = sheet_files(pages.size(), path);
   for (std::size_t i = 0; i < names.size(); ++i) {
     const std::vector<Page> here = pdf ? pages : std::vector<Page>{pages[i]};
-    if (std::string problem = (*module)->draw(here, pdf, names[i]); !problem.empty())
-      return tl::unexpected(fmt::format("{}: cannot be written: {}", names[i], problem));
+    // An older sheet stays until this one is complete.
+    const std::string draft = names[i] + ".new";
+    std::error_code error;
+    std::string problem = (*module)->draw(here, pdf, draft);
+    if (problem.empty()) {
+      std::filesystem::rename(draft, names[i], error);
+      if (error) problem = error.message();
+    }
+    if (problem.empty()) continue;
+    std::filesystem::remove(draft, error);
+    return tl::unexpected(fmt::format("{}: cannot be written: {}", names[i], problem));
   }
   return names;
 }

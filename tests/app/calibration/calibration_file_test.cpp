@@ -1,9 +1,12 @@
 #include "app/calibration/calibration_file.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <Eigen/Geometry>
+#include <array>
+#include <csignal>
 #include <filesystem>
 
 #include "tests/app/folder.h"
@@ -191,7 +194,7 @@ TEST(CalibrationFile, FilesThatCannotBeUsedAreNamed) {
   EXPECT_EQ(camera.error(), "/nowhere/cal.toml: cannot be read: No such file or directory");
   const auto saved = save_calibration(overhead_calibration(1.0, 1.0), "/nowhere/cal.toml");
   ASSERT_FALSE(saved);
-  EXPECT_EQ(saved.error(), "/nowhere/cal.toml: the calibration file cannot be written");
+  EXPECT_EQ(saved.error(), "/nowhere/cal.toml: the calibration cannot be written there: there is no folder /nowhere");
   EXPECT_FALSE(load_calibration("/tmp")) << "a folder";
 }
 
@@ -214,6 +217,49 @@ TEST(CalibrationFile, WhatIsWrittenOverIsKept) {
   EXPECT_EQ(*load_calibration(file), second);
   std::filesystem::remove(old);
   std::filesystem::remove(file);
+}
+
+TEST(CalibrationFile, IsWrittenOverNothingElse) {
+  const test::Folder folder;
+  const Calibration first = *parse_calibration(good, "cal.toml"), second = *parse_calibration(with("2.5", "2.6"), "");
+  for (const std::string& target : {std::string("/dev/full"), std::string(folder / "")}) {
+    const auto refused = replace_calibration(first, target);
+    ASSERT_FALSE(refused) << target;
+    EXPECT_NE(refused.error().find("allowed: "), std::string::npos) << refused.error();
+  }
+  // What was read, and what a link leads to, stays where the previous contents would go.
+  const std::string camera = folder / "camera.toml", old = camera + ".old", elsewhere = folder / "elsewhere.toml";
+  ASSERT_TRUE(save_calibration(first, camera));
+  ASSERT_TRUE(save_calibration(second, old));
+  EXPECT_EQ(*replace_calibration(second, camera, std::array{old}), camera + ".old-2");
+  EXPECT_EQ(*load_calibration(old), second);
+  EXPECT_EQ(*load_calibration(camera + ".old-2"), first);
+  ASSERT_TRUE(save_calibration(second, elsewhere));
+  std::filesystem::remove(old);
+  std::filesystem::create_symlink(elsewhere, old);
+  EXPECT_EQ(*replace_calibration(first, camera), camera + ".old-2");
+  EXPECT_EQ(*load_calibration(elsewhere), second);
+}
+
+TEST(CalibrationFile, StaysWholeWhereTheDiskIsFull) {
+  const test::Folder folder;
+  const Calibration first = *parse_calibration(good, "cal.toml"), second = *parse_calibration(with("2.5", "2.6"), "");
+  const std::string camera = folder / "camera.toml";
+  ASSERT_TRUE(save_calibration(first, camera));
+  rlimit before{};
+  ::getrlimit(RLIMIT_FSIZE, &before);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit full{100, before.rlim_max};
+  ::setrlimit(RLIMIT_FSIZE, &full);
+  const auto saved = save_calibration(second, camera);
+  const auto replaced = replace_calibration(second, camera);
+  ::setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
+  ASSERT_FALSE(saved);
+  EXPECT_NE(saved.error().find("File too large"), std::string::npos) << saved.error();
+  ASSERT_FALSE(replaced);
+  EXPECT_EQ(*load_calibration(camera), first);
+  EXPECT_FALSE(std::filesystem::exists(camera + ".old"));
 }
 
 TEST(CalibrationFile, TheOneThatIsHandedOutIsTheSyntheticCamera) {

@@ -11,6 +11,7 @@
 #include "app/cli/command_calibrate.h"
 #include "app/run/interrupted.h"
 #include "tests/app/folder.h"
+#include "tests/files.h"
 #include "vision/synthetic/synthetic_camera.h"
 
 namespace skein::app {
@@ -90,6 +91,20 @@ TEST(CalibrateFloor, GoesByTheMarksOfTheCalibrationWhenTheCameraHasMoved) {
   EXPECT_LT((second->world_from_camera->rotation - truth.rotation).norm(), 2e-3);
   EXPECT_EQ(second->marks.size(), 6U);
   EXPECT_THAT(lab.run(calibrate_check, 0), HasSubstr("marks: 6"));
+}
+
+TEST(CalibrateFloor, LooksAtNothingIfItsFileCannotBeWritten) {
+  Lab lab;
+  lab.request.source = "video:there-is-none.mkv";
+  lab.request.marks = lab.folder / "floor.toml";
+  const std::string marks = skein::test::read_file(lab.request.marks);
+  lab.request.out = lab.request.marks;
+  EXPECT_THAT(lab.run(calibrate_floor, 2), HasSubstr("is the file of the marks, allowed: another name"));
+  EXPECT_EQ(skein::test::read_file(lab.request.marks), marks);
+  lab.request.out = lab.folder / "no/such/camera.toml";
+  EXPECT_THAT(lab.run(calibrate_floor, 2), HasSubstr("there is no folder"));
+  lab.request.out = "/dev/full";
+  EXPECT_THAT(lab.run(calibrate_floor, 2), HasSubstr("a device or a FIFO, allowed: a file"));
 }
 
 TEST(CalibrateFloor, WritesNothingOnCtrlC) {

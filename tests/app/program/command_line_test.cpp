@@ -10,6 +10,7 @@
 
 #include <cctype>
 #include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <regex>
@@ -502,16 +503,34 @@ TEST(CommandLine, ATextFileHasALargestSize) {
 TEST(CommandLine, ASheetThatTheDiskDoesNotTakeIsAnError) {
   Folder folder;
   for (const char* name : {"tags.pdf", "tags.svg"}) {
-    const std::string full = folder / name, good = folder / ("good-" + std::string(name));
-    std::filesystem::create_symlink("/dev/full", full);
-    const Result r = skein({"tags", "--out", full});
-    EXPECT_NE(r.status, 0) << name;
-    EXPECT_TRUE(has(r.err, "cannot be written: No space left on device")) << r.err;
-    EXPECT_TRUE(r.out.empty()) << "names no file: " << r.out;
-    const Result control = skein({"tags", "--out", good});
+    const std::string device = folder / ("device-" + std::string(name)), file = folder / name;
+    std::filesystem::create_symlink("/dev/full", device);
+    const Result refused = skein({"tags", "--out", device, "--force"});
+    EXPECT_EQ(refused.status, 2) << name;
+    EXPECT_TRUE(has(refused.err, "is a folder, a device or a FIFO, allowed: the name of a file")) << refused.err;
+    const Result control = skein({"tags", "--out", file});
     EXPECT_EQ(control.status, 0) << control.err;
-    EXPECT_GT(std::filesystem::file_size(good), 1000u);
+    const std::string before = skein::test::read_file(file);
+    EXPECT_GT(before.size(), 1000u);
+    // The file is on the disk whole, or as it was.
+    const std::string command = "ulimit -f 1; exec '" + skein::test::program() + "' tags 1-30 --force --out '" + file +
+                                "' > '" + (folder / "said") + "' 2>&1";
+    EXPECT_NE(std::system(command.c_str()), 0) << name;
+    const std::string said = skein::test::read_file(folder / "said");
+    EXPECT_TRUE(has(said, "cannot be written: ")) << said;
+    EXPECT_EQ(skein::test::read_file(file), before);
+    EXPECT_FALSE(std::filesystem::exists(file + ".new"));
   }
+}
+
+TEST(CommandLine, ABoardHasTheSquaresThatWereTyped) {
+  Folder folder;
+  for (const char* squares : {"4294967308x4294967304", "+12x8", " 12x8", "12x8 ", "12x", "x8", "12"}) {
+    const Result r = skein({"tags", "board", "--squares", squares, "--out", folder / "board.svg"});
+    EXPECT_EQ(r.status, 2) << squares;
+    EXPECT_TRUE(has(r.err, "allowed: columns x rows, such as 12x8")) << r.err;
+  }
+  EXPECT_EQ(skein({"tags", "board", "--squares", "12x8", "--out", folder / "board.svg"}).status, 0) << "the control";
 }
 
 TEST(CommandLine, ARunThatIsKilledLeavesItsRowsOnTheDisk) {
