@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <filesystem>
 #include <memory>
+#include <system_error>
 
 #include "comms/epuck_wifi.h"
 #include "core/kinematics/robot_type.h"
@@ -200,6 +202,27 @@ std::string to_text(const LinkAddress& address) {
       break;
   }
   return fmt::format("{}rfcomm:{}/{}", spoken, address.device, address.channel);
+}
+
+std::string canonical_text(const LinkAddress& address) {
+  LinkAddress one = address;
+  one.protocol.clear();
+  switch (one.kind) {
+    case LinkKind::tcp:
+    case LinkKind::udp:
+    case LinkKind::rfcomm:
+      std::transform(one.device.begin(), one.device.end(), one.device.begin(),
+                     [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+      if (one.device == "localhost") one.device = "127.0.0.1";
+      break;
+    case LinkKind::serial: {
+      std::error_code ignored;
+      if (const auto port = std::filesystem::weakly_canonical(one.device, ignored); !ignored)
+        one.device = port.string();
+      break;
+    }
+  }
+  return to_text(one);
 }
 
 }  // namespace skein::comms

@@ -54,4 +54,8 @@ tl::expected<LinkAddress, std::string> resolve(LinkAddress address);
 /// The text that parse_link_address() reads (without the adapter).
 std::string to_text(const LinkAddress& address);
 
+/// One text for every spelling of an address, whatever its protocol: two robots with the same one are one robot. Hosts
+/// in lower case, the file that a link to a serial port leads to; names of hosts are not resolved.
+std::string canonical_text(const LinkAddress& address);
+
 }  // namespace skein::comms

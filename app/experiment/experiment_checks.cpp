@@ -52,11 +52,11 @@ void check_robots(const Experiment& e, Problems& problems) {
                                "allowed: above {:.4g} Hz",
                                e.rate, i + 1, *robot.watchdog, 1.0 / most));
     if (robot.simulated()) continue;
-    if (const auto [other, unique] = addresses.emplace(robot.address, i); !unique)
+    const auto link = comms::parse_link_address(robot.address);
+    if (const auto [other, unique] = addresses.emplace(link ? comms::canonical_text(*link) : robot.address, i); !unique)
       problems.add(robot_key(i, "link"),
                    fmt::format("found \"{}\", which robot {} already has, allowed: a different link for each robot",
                                robot.address, other->second + 1));
-    const auto link = comms::parse_link_address(robot.address);
     if (link && link->kind == comms::LinkKind::rfcomm && ++adapters[robot.adapter] == most_on_an_adapter + 1)
       problems.add(robot_key(i, "adapter"),
                    fmt::format("found \"{}\" for more than {} robots, allowed: {} per adapter; use another one for the "

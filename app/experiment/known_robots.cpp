@@ -45,9 +45,11 @@ tl::expected<std::vector<KnownRobot>, std::vector<Problem>> read_document(const 
   std::map<std::string, std::size_t> names, links;
   for (TomlTable& t : top.tables("robot")) {
     const KnownRobot& robot = robots.emplace_back(read_known(t, problems));
-    for (const auto& [key, value, seen] :
-         {std::tuple("name", &robot.spec.name, &names), std::tuple("link", &robot.spec.address, &links)})
-      if (const auto [other, unique] = seen->emplace(*value, robots.size()); !unique && !value->empty())
+    const auto link = comms::parse_link_address(robot.spec.address);
+    for (const auto& [key, value, same, seen] :
+         {std::tuple("name", &robot.spec.name, robot.spec.name, &names),
+          std::tuple("link", &robot.spec.address, link ? comms::canonical_text(*link) : std::string(), &links)})
+      if (const auto [other, unique] = seen->emplace(same, robots.size()); !unique && !value->empty())
         problems.add(t.full(key),
                      fmt::format("found \"{}\", which robot {} already has, allowed: a different one for each robot",
                                  *value, other->second));

@@ -177,6 +177,15 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"[[robot]]\nlink = 'serial:/dev/a'\n[[robot]]\nlink = 'serial:/dev/a'\n[camera]\nsource='v4l2:x'\n"
                 "calibration='c'",
                 "e.toml:4:8: robot.2.link: found \"serial:/dev/a\", which robot 1 already has"},
+        // The same robot in other words.
+        Refused{"[[robot]]\nlink = \"tcp:1.2.3.4\"\n[[robot]]\nlink = \"tcp:1.2.3.4:01000\"",
+                "e.toml:4:8: robot.2.link: found \"tcp:1.2.3.4:01000\", which robot 1 already has"},
+        Refused{"[[robot]]\nlink = \"udp:Robot.local:2626\"\n[[robot]]\nlink = \"udp:robot.LOCAL\"",
+                "e.toml:4:8: robot.2.link: found \"udp:robot.LOCAL\", which robot 1 already has"},
+        Refused{"[[robot]]\nlink = \"rfcomm:10:00:E8:AA:BB:CC/1\"\n[[robot]]\nlink = \"rfcomm:10:00:e8:aa:bb:cc\"",
+                "e.toml:4:8: robot.2.link: found \"rfcomm:10:00:e8:aa:bb:cc\", which robot 1 already has"},
+        Refused{"[[robot]]\nlink = \"serial:/dev/../dev/a\"\n[[robot]]\nlink = \"serial:/dev/a\"",
+                "e.toml:4:8: robot.2.link: found \"serial:/dev/a\", which robot 1 already has"},
         Refused{"[[robot]]\nlink = 'serial:/dev/a'", "e.toml: camera.source: found \"none\", allowed"},
         Refused{"[camera]\nsource = 'synthetic'\n[[robot]]\nlink = 'serial:/dev/a'",
                 "e.toml:2:10: camera.source: found \"synthetic\", allowed: images:DIR, video:FILE, v4l2:DEVICE, "
