@@ -71,7 +71,11 @@ std::string in_the_way(const JointRequest& request, const std::vector<fs::path>&
     const std::string camera = fmt::format("camera {}", path - paths.begin() + 1);
     if (request.save && path->empty() && path - paths.begin() + 1 != static_cast<std::ptrdiff_t>(request.reference))
       return camera + " has no calibration file to write to; allowed: --out FOLDER";
-    if (request.save || path->empty()) continue;
+    if (path->empty()) continue;
+    if (request.save) {
+      if (const auto possible = check_calibration_target(*path); !possible) return possible.error();
+      continue;
+    }
     if (std::find(paths.begin(), path, *path) != path)
       return fmt::format("{}: the calibrations of two cameras have this name; allowed: names that differ",
                          path->string());

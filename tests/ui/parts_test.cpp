@@ -565,8 +565,15 @@ TEST(AlertStrip, SaysThatThereIsNoRouteUntilTheRobotDrives) {
   record.events.add(app::events::NoWay{0});
   record.events.add(app::events::NoWay{2});
   EXPECT_TRUE(drive(1.0, 0.0).contains(QStringLiteral("Robots 1, 3 stand"))) << strip.text().toStdString();
+  record.phase = app::Phase::paused;
+  EXPECT_TRUE(drive(1.0, 0.0).contains(QStringLiteral("Robots 1, 3 stand"))) << "a pause finds no route";
   record.phase = app::Phase::stopped;
   EXPECT_FALSE(drive(0.1, 0.0).contains(QStringLiteral("stand"))) << "the run is over";
+  record.phase = app::Phase::staging;
+  record.events.add(app::events::NoWay{2});
+  EXPECT_TRUE(drive(1.0, 0.08).contains(QStringLiteral("Robot 3 stands: there is no route to its place")))
+      << "on the way to the starts too, and long enough to be read where it drives on at once";
+  EXPECT_FALSE(drive(3.0, 0.08).contains(QStringLiteral("stands")));
 }
 
 TEST(FileDialog, BeginsInTheNearestFolderThatExists) {

@@ -178,9 +178,8 @@ QString sentence(const app::Event& event) {
             if (e.other != nobody)
               return tr("Robot %1 stands: robot %2 is at its place").arg(e.robot + 1).arg(e.other + 1);
             if (e.margin > 0.0)
-              return tr("Robot %1 waits: no route to its place leaves the %2 mm more to obstacles that its uncertain "
-                        "pose "
-                        "needs")
+              return tr("Robot %1 waits: no route to its place leaves the %2 mm of extra room to obstacles that its "
+                        "uncertain pose needs")
                   .arg(e.robot + 1)
                   .arg(fixed(1e3 * e.margin, 1));
             return tr("Robot %1 stands: there is no route to its place").arg(e.robot + 1);

@@ -145,7 +145,7 @@ ExperimentEditor::ExperimentEditor(QWidget* parent)
   connect(save_, &QPushButton::clicked, this, [this] { save_and(false); });
   connect(save_as_, &QPushButton::clicked, this, [this] { ask_save(false); });
   connect(open_, &QPushButton::clicked, this, [this] { save_and(true); });
-  text_->setFocus();
+  text_->setFocus();  // once it has its place: before, the layout would take the focus away
 }
 
 ExperimentEditor::~ExperimentEditor() = default;

@@ -45,7 +45,7 @@ void AlertStrip::show_record(const app::TickRecord& record) {
       lost_.erase(static_cast<int>(found->robot) + 1);
     if (app::is<app::events::VRise>(event)) v_rose_at_ = record.t;
     if (const auto* const no_way = std::get_if<app::events::NoWay>(&event))
-      no_way_.insert_or_assign(static_cast<int>(no_way->robot) + 1, NoWay{sentence(event), record.t});
+      no_way_.insert_or_assign(static_cast<int>(no_way->robot) + 1, NoWay{sentence(event), record.t, record.t});
     if (!held_ && !said_elsewhere(event))
       say(tr("%1 s: ").arg(record.t, 0, 'f', 1) + sentence(event), ui::severity(event));
   }
@@ -104,14 +104,16 @@ void AlertStrip::watch(const app::TickRecord& record) {
 
 /// Until the robot drives: a route may have been found, or the shield alone may let it pass.
 void AlertStrip::watch_ways(const app::TickRecord& record) {
-  constexpr double drives = 0.01;  // [m/s]
-  constexpr double lasts = 0.5;    // [s]
-  const bool running = record.phase == app::Phase::running;
+  constexpr double drives = 0.01;             // [m/s]
+  constexpr double lasts = 0.5;               // [s]
+  constexpr double to_read = 1e-3 * read_ms;  // [s]
+  const bool may_drive = record.phase == app::Phase::running || record.phase == app::Phase::staging ||
+                         record.phase == app::Phase::paused;  // it still has no route after the pause
   const auto is_over = [&](int robot, NoWay& way) {
     const auto i = static_cast<std::size_t>(robot) - 1;
-    if (!running || i >= record.robots.size() || record.t < way.stood_at) return true;
+    if (!may_drive || i >= record.robots.size() || record.t < way.said_at) return true;
     if (std::abs(record.robots[i].command.v) < drives) way.stood_at = record.t;
-    return record.t - way.stood_at > lasts;
+    return record.t - way.stood_at > lasts && record.t - way.said_at > to_read;
   };
   for (auto way = no_way_.begin(); way != no_way_.end();)
     way = is_over(way->first, way->second) ? no_way_.erase(way) : std::next(way);

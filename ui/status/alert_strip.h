@@ -73,6 +73,7 @@ class AlertStrip final : public QLabel {
   std::map<int, QString> lost_;  // robots without a tag, from 1, and why it is not seen; empty: not known
   struct NoWay {
     QString sentence;
+    double said_at;   // [s]
     double stood_at;  // for the last time [s]
   };
   std::map<int, NoWay> no_way_;        // robots that stand since they have no route, from 1
