@@ -3,6 +3,7 @@
 
 #include <QComboBox>
 #include <QDir>
+#include <QDockWidget>
 #include <QSettings>
 #include <QSignalSpy>
 #include <QThread>
