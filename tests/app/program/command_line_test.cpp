@@ -256,7 +256,9 @@ TEST(CommandLine, ADoctorFixesWhatItCanAndSaysTheRest) {
   }
   std::ofstream(folder / "lab.toml") << "[camera]\nsource = \"v4l2:/dev/nowhere\"\ncalibration = "
                                         "\"cal.toml\"\n[[robot]]\ntag = 1\nlink = \"serial:/dev/nowhere\"\n";
-  const std::string path = std::getenv("PATH");
+  const char* const inherited = std::getenv("PATH");
+  ASSERT_NE(inherited, nullptr);
+  const std::string path = inherited;
   ::setenv("PATH", folder.path.c_str(), 1);
   const std::vector<std::string> words{"doctor", folder / "lab.toml", "--seconds", "0", "--fix"};
   const Result first = skein(words), second = skein(words);
