@@ -1,4 +1,5 @@
-// libFuzzer: build with clang and -DSKEIN_FUZZ=ON, run fuzz_frames -max_total_time=60. Films and pictures.
+// libFuzzer: build with clang and -DSKEIN_FUZZ=ON, run fuzz_frames -max_total_time=60. Films, pictures, and the frames
+// of a camera that compresses them.
 #include <unistd.h>
 #include <filesystem>
 
@@ -6,6 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "tests/fuzz/vision_targets.h"
+#include "vision/media/jpeg.h"
 #include "vision/media/sources.h"
 
 namespace {
@@ -41,7 +43,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static Files files;
   if (size == 0) return 0;
   const std::size_t which = data[0] % files.well.size();
-  fuzz::write_bytes(files.path, fuzz::changed(files.well[which], {data + 1, size - 1}));
+  const auto bytes = fuzz::changed(files.well[which], {data + 1, size - 1});
+  vision::Frame frame;
+  vision::media::decode_jpeg(bytes, frame);
+  fuzz::must_hold(frame.grey.size() == static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height));
+  fuzz::write_bytes(files.path, bytes);
   const auto opener = [&](const std::string& path) {
     std::string error;
     auto source = which == 0 ? vision::media::open_video(path, error) : vision::media::open_images(path, error);

@@ -87,6 +87,29 @@ TEST(House, ArchitectureNamesTheFirstFileToReadOfEveryFolder) {
   }
 }
 
+/// No library carries a fuzzer's sources: each lists them, and only scripts/fuzz links them.
+TEST(House, FuzzersListTheSourceOfEveryHeaderThatTheirSourcesInclude) {
+  const std::string cmake = text_of("tests/fuzz/CMakeLists.txt");
+  const std::regex list("\\n(set\\(robots|skein_fuzz\\([a-z]+ SOURCES) ([^$()]*?)(?= LINK|\\n +LINK|\\))"),
+      word("[a-z_/]+\\.cpp"), include("#include \"([a-z_/]+)\\.h\"");
+  int lists = 0;
+  for (std::sregex_iterator at(cmake.begin(), cmake.end(), list), end; at != end; ++at, ++lists) {
+    const std::string words = (*at)[2];
+    const std::set<std::string> listed(std::sregex_token_iterator(words.begin(), words.end(), word),
+                                       std::sregex_token_iterator());
+    EXPECT_GT(listed.size(), 3U) << words;
+    for (const std::string& source : listed) {
+      const std::string text = text_of(source);
+      for (std::sregex_iterator one(text.begin(), text.end(), include); one != end; ++one) {
+        const std::string needed = (*one)[1].str() + ".cpp";
+        if (!std::filesystem::exists(test::in_source(needed))) continue;
+        EXPECT_TRUE(listed.contains(needed)) << "tests/fuzz/CMakeLists.txt: " << source << " needs " << needed;
+      }
+    }
+  }
+  EXPECT_EQ(lists, 4);
+}
+
 TEST(Rules, SeeTheIncludesOfRealFiles) {
   // A reader that sees no includes would pass everything. Real files under a wrong name: core's may stand in any room,
   // but what of vision's sources includes OpenCV may stand in no other.
