@@ -23,15 +23,6 @@ constexpr double staging_horizon = 3.0;
 /// The time within which the filter comes to believe a new pose. [s]
 constexpr double settles = 0.5;
 
-/// A measured speed below this is noise [m/s].
-constexpr double too_slow = 0.02;
-
-/// So many sights in a row convince.
-constexpr int convincing = 3;
-
-/// How many standard deviations a pose is trusted to be off at most.
-constexpr double trusted_deviations = 3.0;
-
 /// The shield keeps bodies inside the arena as well.
 core::ShieldParameters shield_of(const Experiment& e) {
   core::ShieldParameters parameters = e.shield;
@@ -123,22 +114,19 @@ TickMemory::TickMemory(const Experiment& e, const core::Gains& first, const core
       progress(e.robots.size()),
       outside(e.robots.size()),
       had_no_way(e.robots.size()),
-      camera_watch(e.cameras(), core::CameraWatch(e.robots.size())) {
+      camera_watch(e.cameras(), core::CameraWatch(e.robots.size())),
+      fusion(e.robots.size(), e.cameras(), e.estimation.filter, e.estimation.bridge) {
   const std::size_t n = e.robots.size();
   filters.resize(n);
-  seen_by.resize(e.cameras() * n);
-  believed.resize(n);
-  in_order.reserve(e.cameras());
   record.by_camera.resize(e.cameras() > 1 ? e.cameras() * n : 0);
   seen_or_missed.resize(n);
   held.resize(n);
-  disobeys.resize(n);
+  obedience.resize(n);
   stuck.resize(n);
   standing.reserve(obstacles.all().size() + n);
   off_nominal.resize(n);
   owed.resize(n);
   acts_at.resize(n, none);
-  sights.resize(n);
   trust.resize(n, 1.0);
   driving.resize(n);
   poses.resize(n);
@@ -220,90 +208,20 @@ const TickRecord& ControlTick::decide(const TickInput& input) noexcept {
   return tick.record;
 }
 
-/// One robot's new measurements, in the order in which they were captured.
+/// One robot's new measurements. A jump that was not announced is a perturbation like those of the file.
 void TickState::accept_measurements(std::size_t i, const TickInput& input) noexcept {
-  const auto by = [&](std::size_t camera) -> const core::Measurement& {
-    return input.measurements[camera * robots() + i];
-  };
-  double newest = core::Measurement::never;
-  for (std::size_t c = 0; c < cameras; ++c) newest = std::max(newest, by(c).captured_at);
-  in_order.clear();
-  for (std::size_t c = 0; c < cameras; ++c)
-    if (by(c).captured_at > seen_by[c * robots() + i].newest.captured_at &&
-        by(c).captured_at >= newest - experiment.estimation.bridge)
-      in_order.push_back(c);
-  std::sort(in_order.begin(), in_order.end(), [&](std::size_t a, std::size_t b) {
-    return by(a).captured_at < by(b).captured_at || (by(a).captured_at == by(b).captured_at && a < b);
-  });
-  for (const std::size_t c : in_order) accept_measurement(i, c, by(c));
-}
-
-/// A jump that was not announced is a perturbation like those of the file.
-void TickState::accept_measurement(std::size_t i, std::size_t camera, const core::Measurement& m) noexcept {
-  const core::FilterParameters& parameters = experiment.estimation.filter;
-  const core::Measurement before = std::exchange(seen_by[camera * robots() + i].newest, m);
-  if (has_camera) camera_watch[camera].see(i, filters[i], parameters, before, m);
-  core::Measurement fused = m;
-  if (cameras > 1 && !reconcile(i, camera, before.captured_at, fused)) return;
-  if (m.captured_at > believed[i].captured_at) believed[i] = m;
-  const std::optional<core::Pose> expected = filters[i].fuse(parameters, fused);
-  if (!expected || !running()) return;
-  note(events::Kidnap{i, m.pose.x - expected->x, m.pose.y - expected->y,
-                      core::wrap_angle(m.pose.theta - expected->theta)});
-}
-
-/// Makes a camera's measurement agree with those of the others that see the robot; false: they contradict it. A robot
-/// that another camera has just seen where it should be has not been carried: a jump is believed when every camera that
-/// sees the robot reports it. Cameras that go on to differ have been moved. Smaller differences are those of
-/// calibrations: a camera that joins the others is shifted to where they see the robot before it counts, and when they
-/// no longer see it, the shift fades, so that no pose jumps at a seam.
-bool TickState::reconcile(std::size_t i, std::size_t camera, double seen_before_at, core::Measurement& m) noexcept {
-  constexpr int most_contradicted = 5;  // frames
-  constexpr int frames_to_learn = 10;   // a shift: meanwhile the others tell where the robot is
-  constexpr double fades = 1.0;         // time constant [s]
-  Seen& seen = seen_by[camera * robots() + i];
-  std::size_t other = cameras;  // that sees it too
-  for (std::size_t c = 0; c < cameras; ++c) {
-    const Seen& by_other = seen_by[c * robots() + i];
-    const bool recent = by_other.newest.captured_at >= m.captured_at - experiment.estimation.bridge;
-    if (c != camera && recent && by_other.contradicted == 0) other = c;
+  for (const std::size_t c : fusion.news(i, input.measurements)) {
+    const core::Measurement& m = input.measurements[c * robots() + i];
+    if (has_camera) camera_watch[c].see(i, filters[i], experiment.estimation.filter, fusion.newest(i, c), m);
+    const core::CameraFusion::Outcome outcome = fusion.take(i, c, m, filters[i], record.now);
+    if (outcome.disagreement && (moving() || record.phase == Phase::paused)) {
+      note(events::CamerasDisagree{i, c, outcome.disagreement->other, outcome.disagreement->distance});
+      stop_for_camera();
+    }
+    if (outcome.expected && running())
+      note(events::Kidnap{i, m.pose.x - outcome.expected->x, m.pose.y - outcome.expected->y,
+                          core::wrap_angle(m.pose.theta - outcome.expected->theta)});
   }
-  const double seconds = m.captured_at - seen_before_at;
-  const bool joins = !(seconds <= experiment.estimation.bridge);
-  const double share = joins ? 0.0 : other == cameras ? std::exp(-seconds / fades) : 1.0;
-  seen.shift = {share * seen.shift.x, share * seen.shift.y, share * seen.shift.theta};
-  if (joins) seen.learned = other < cameras ? 0 : frames_to_learn;
-  if (seen.learned < frames_to_learn && other < cameras && align(i, camera, m)) return false;
-  const core::Pose measured = m.pose;
-  m.pose = {m.pose.x + seen.shift.x, m.pose.y + seen.shift.y, core::wrap_angle(m.pose.theta + seen.shift.theta)};
-  const std::optional<core::Pose> expected = filters[i].surprise(experiment.estimation.filter, m);
-  const bool said_otherwise = expected && other < cameras;
-  if (!said_otherwise) {
-    seen.contradicted = 0;
-    return true;
-  }
-  if (++seen.contradicted == most_contradicted && (moving() || record.phase == Phase::paused)) {
-    note(events::CamerasDisagree{i, camera, other, core::distance(*expected, measured)});
-    stop_for_camera();
-  }
-  return false;
-}
-
-/// Learns the shift of a camera's poses of a robot from where the other cameras have it, a mean by the covariances of
-/// its poses; false: they are farther apart than calibrations are.
-bool TickState::align(std::size_t i, std::size_t camera, const core::Measurement& m) noexcept {
-  constexpr double finest = 1e-6;  // [m]
-  if (filters[i].surprise(experiment.estimation.filter, m)) return false;
-  Seen& seen = seen_by[camera * robots() + i];
-  if (seen.learned++ == 0) seen.weight = 0.0;
-  const double sigma = std::max(finest, m.sigma_xy), weight = 1.0 / (sigma * sigma);
-  seen.weight += weight;
-  const double part = weight / seen.weight;
-  const core::Pose expected = filters[i].predict(record.now), by_camera = filters[i].predict(m, record.now);
-  seen.shift.x += part * (expected.x - by_camera.x - seen.shift.x);
-  seen.shift.y += part * (expected.y - by_camera.y - seen.shift.y);
-  seen.shift.theta += part * (core::wrap_angle(expected.theta - by_camera.theta) - seen.shift.theta);
-  return true;
 }
 
 /// A camera that was bumped makes every pose wrong at once: no robot may drive by them. Before a start robots are
@@ -344,86 +262,25 @@ void TickState::hear_links(const TickInput& input) noexcept {
   }
 }
 
-/// Whether a robot obeys its commands, by its first and its newest sight. One that drives or turns otherwise, three
-/// times in a row, is commanded to stand until it does. One that stands although it is commanded to drive is stuck, or
-/// was switched off: it is still commanded to drive, since otherwise it could not be seen when it can drive again, and
-/// the others treat it as an obstacle.
-void TickState::watch_obedience(std::size_t i, const core::Measurement& first, double v) noexcept {
-  constexpr double contrary = 0.04;     // between expected and measured velocity, of its middle or of a wheel [m/s]
-  constexpr double turns_little = 0.3;  // [rad/s]
-  const core::Measurement& newest = record.robots[i].measurement;
-  const double noise = trusted_deviations * (first.sigma_xy + newest.sigma_xy);
-  const double blind = *std::max_element(sights[i].blind.begin(), sights[i].blind.end());
-  const core::Pose expected = filters[i].predict(first, newest.captured_at);
-  const double off = core::distance(expected, newest.pose);
-  const double off_angle = std::abs(core::wrap_angle(expected.theta - newest.pose.theta));
-  const double turned = std::abs(core::wrap_angle(newest.pose.theta - first.pose.theta));
-  const double seconds = newest.captured_at - first.captured_at;
-  const double noise_angle = trusted_deviations * (first.sigma_theta + newest.sigma_theta);
-  const double little = noise_angle + turns_little * seconds;
-  const bool drives = std::abs(v) >= too_slow, turns = turned > little;
-  // A robot that reverses stands on average, but one that stands differs by no more than its commanded speed.
-  const bool reverses = off > noise + core::distance(first.pose, expected);
-  const bool otherwise = ((drives || reverses) && off > noise + blind + contrary * seconds) ||
-                         (turns && off_angle > noise_angle + (blind + contrary * seconds) / to_wheel(i));
-  // Told to stand, or to creep, it shows nothing: what was found holds until it is seen to drive, or to turn. One that
-  // turns by itself on the spot does not drive.
-  const auto count = [](int& times, bool stays, bool moves) {
-    if (stays)
-      ++times;
-    else if (moves || times < convincing)
-      times = 0;
-  };
-  count(sights[i].stood, !drives && off > noise + blind + too_slow * seconds, drives);
-  count(sights[i].still, !drives && !turns && off_angle > little + blind / to_wheel(i), drives || turns);
-  int& times = sights[i].contradicted;
-  times = (disobeys[i] ? !drives && !turns : otherwise) ? times + 1 : 0;
-  if (times < convincing) return;
-  times = 0;
-  disobeys[i] = !disobeys[i];
-  note(disobeys[i] ? Event(events::Runaway{i, v}) : Event(events::Obeys{i}));
-}
-
-/// The motion of a robot that may not obey, from its first and its newest sight within a fifth of a second. A jump is a
-/// move by hand, and robots may be moved by hand while none drives.
-void TickState::measure_twist(std::size_t i) noexcept {
-  constexpr double longest = 0.5;  // between them [s]
-  const core::Measurement& newest = record.robots[i].measurement;
-  Sight& sight = sights[i];
-  const core::Measurement& before = sight.seen[(sight.count + Sight::frames - 1) % Sight::frames];
-  const bool seen_anew = sight.count == 0 || before.captured_at < newest.captured_at;
-  if (seen_anew && sight.count > 0) {
-    const core::Pose expected = filters[i].predict(before, newest.captured_at);
-    const double jump = core::distance(expected, newest.pose), kidnap = experiment.estimation.filter.kidnap;
-    const double turn = std::abs(core::wrap_angle(expected.theta - newest.pose.theta));
-    if (jump > kidnap + trusted_deviations * (before.sigma_xy + newest.sigma_xy) ||
-        turn > kidnap / to_wheel(i) + trusted_deviations * (before.sigma_theta + newest.sigma_theta))
-      sight.count = 0, sight.contradicted = 0;
-  }
-  if (seen_anew) {
-    const LinkInput& link = record.robots[i].link.input;
-    sight.blind[sight.count % Sight::frames] = link.linked ? link.blind_way : 0.0;
-    sight.seen[sight.count++ % Sight::frames] = newest;
-  }
-  adrift[i] = false;
-  stuck[i] = 0;
-  if (record.robots[i].is(lost) || sight.count < Sight::frames) return;
-  const core::Measurement& first = sight.seen[sight.count % Sight::frames];
-  const double seconds = newest.captured_at - first.captured_at;
-  if (!(seconds > 0.0 && seconds < longest)) return;
-  const double turned = core::wrap_angle(newest.pose.theta - first.pose.theta);
-  const double heading = first.pose.theta + 0.5 * turned;
-  const double v =
-      ((newest.pose.x - first.pose.x) * std::cos(heading) + (newest.pose.y - first.pose.y) * std::sin(heading)) /
-      seconds;
+/// One that disobeys is commanded to stand until it does. One that is stuck is still commanded to drive, since
+/// otherwise it could not be seen when it can drive again, and the others treat it as an obstacle.
+void TickState::watch_obedience(std::size_t i) noexcept {
+  core::ObedienceWatch& robot = obedience[i];
+  const LinkInput& link = record.robots[i].link.input;
   const bool watched = experiment.failure.runaway != FailureSpec::Runaway::ignored;
-  if (watched && seen_anew && moving() && !(record.now < sight.excused_until)) watch_obedience(i, first, v);
-  const bool by_itself = disobeys[i] || (record.robots[i].link.input.linked && is_out(i));
-  stuck[i] = sight.stood >= convincing || sight.still >= convincing;
+  const bool changed = robot.see({.now = record.now,
+                                  .to_wheel = 0.5 * experiment.robots[i].drive.track,
+                                  .kidnap = experiment.estimation.filter.kidnap,
+                                  .blind_way = link.linked ? link.blind_way : 0.0,
+                                  .lost = record.robots[i].is(lost),
+                                  .judged = watched && moving()},
+                                 filters[i], record.robots[i].measurement);
+  if (changed) note(robot.disobeys() ? Event(events::Runaway{i, robot.motion()->v}) : Event(events::Obeys{i}));
+  stuck[i] = robot.stuck();
   if (stuck[i]) driving[i] = {};
-  if (!by_itself || std::abs(v) < too_slow) return;
-  adrift[i] = true;
-  driving[i] = {v, turned / seconds};
+  const bool by_itself = robot.disobeys() || (link.linked && is_out(i));
+  adrift[i] = by_itself && robot.motion() && std::abs(robot.motion()->v) >= core::ObedienceWatch::too_slow;
+  if (adrift[i]) driving[i] = *robot.motion();
 }
 
 /// Every robot's pose at the moment the command of this tick acts. One that has not been seen within the bridge time is
@@ -433,14 +290,14 @@ void TickState::estimate(const TickInput& input) noexcept {
     if (is<events::Perturb, events::Move, events::Kick>(event)) {
       if (!is<events::Kick>(event)) filters[*robot_of(event)].displaced(input.now);
       const double until = input.now + experiment.simulation.latency + core::SimulatedRobot::slides_for;
-      sights[*robot_of(event)].excused_until = until;
+      obedience[*robot_of(event)].excuse(until);
       for (core::CameraWatch& of_camera : camera_watch) of_camera.excuse(*robot_of(event), until);
     }
   for (std::size_t i = 0; i < robots(); ++i) {
     RobotRecord& robot = record.robots[i];
     const bool was_lost = robot.is(lost), was_known = filters[i].known();
     accept_measurements(i, input);
-    robot.measurement = believed[i];
+    robot.measurement = fusion.believed(i);
     robot.pose_age = input.now - robot.measurement.captured_at;
     const bool seen = robot.measurement.ever_seen();
     const auto& known = experiment.robots[i].actuation_delay;
@@ -449,7 +306,7 @@ void TickState::estimate(const TickInput& input) noexcept {
     robot.pose = poses[i] = seen ? filters[i].predict(input.now + robot.actuation_delay) : core::Pose{none, none, none};
     robot.sigma_xy = seen ? filters[i].sigma_xy() : none;
     robot.mode = robot.pose_age > experiment.estimation.bridge ? lost : 0;
-    doubt[i] = seen ? trusted_deviations *
+    doubt[i] = seen ? core::trusted_deviations *
                           filters[i].sigma_after(experiment.estimation.filter, filters[i].way_to(input.now).driven)
                     : 0.0;
     // The first sight of a robot is expected and no event, unless the robot has been missed.
@@ -462,7 +319,7 @@ void TickState::estimate(const TickInput& input) noexcept {
     if (seen) seen_or_missed[i] = true;
     if (robot.is(lost)) avoidance.reset(i);
     driving[i] = commands[i];
-    if (seen) measure_twist(i);
+    if (seen) watch_obedience(i);
   }
   std::copy_n(input.measurements.begin(), record.by_camera.size(), record.by_camera.begin());
   watch_cameras(input);
@@ -738,7 +595,7 @@ Hindrance TickState::hindrance(std::size_t i) const noexcept {
   const RobotRecord& robot = record.robots[i];
   if (robot.is(lost)) return Hindrance::lost;
   if (held[i]) return Hindrance::held;
-  if (disobeys[i]) return Hindrance::runaway;
+  if (obedience[i].disobeys()) return Hindrance::runaway;
   if (outside[i]) return Hindrance::outside;
   if (planner && planner->no_way(i)) return Hindrance::no_way;
   if (planner && planner->waits_for(i) < robots()) return Hindrance::turn;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -14,10 +13,12 @@
 #include "core/control/descent_watch.h"
 #include "core/controllers/controller_types.h"
 #include "core/controllers/kostic.h"
+#include "core/estimation/camera_fusion.h"
 #include "core/estimation/camera_watch.h"
 #include "core/estimation/pose_filter.h"
 #include "core/planning/formation_clock.h"
 #include "core/planning/planner.h"
+#include "core/safety/obedience_watch.h"
 #include "core/safety/progress_watch.h"
 
 namespace skein::app {
@@ -69,34 +70,13 @@ struct TickMemory {
   double explained_until = none;  // until then V may rise: after a jump, a robot lost or found [s, session's clock]
   std::vector<core::PoseFilter> filters;
   std::vector<core::CameraWatch> camera_watch;  // of each camera
-  /// What a camera has measured of a robot.
-  struct Seen {
-    core::Measurement newest;
-    core::Pose shift;      // that makes its poses agree with those of the cameras that saw it before
-    double weight = 0.0;   // of the frames that it was learned from [1/m^2]
-    int learned = 0;       // number of these frames
-    int contradicted = 0;  // measurements in a row that other cameras contradict
-  };
-  std::vector<Seen> seen_by;                // robot i by camera c at c * robots + i
-  std::vector<core::Measurement> believed;  // the newest of each robot that its filter has taken in
-  std::vector<std::size_t> in_order;        // cameras with something new of a robot, by their times of capture
-  std::vector<bool> seen_or_missed;         // seen, or reported lost: from then on losses and finds are reported
-  std::vector<bool> held;                   // made to stand by the operator
-  std::vector<bool> disobeys;               // does not drive as commanded, and has not stood since
-  std::vector<bool> off_nominal;            // follows a modified reference
-  std::vector<core::WheelSpeeds> owed;      // motion still to be made up for, because step rates are coarse
-  std::vector<double> acts_at;              // from when on the newest commands act [s]
-  struct Sight {
-    static constexpr std::size_t frames = 6;  // a fifth of a second: noise of 1 mm gives 7 mm/s
-    std::array<core::Measurement, frames> seen{};
-    std::array<double, frames> blind{};  // how far it may have driven by then on unconfirmed commands [m]
-    std::size_t count = 0;
-    int stood = 0;                // times in a row that it was seen to stand though commanded to drive
-    int still = 0;                // and not to turn though commanded to turn
-    int contradicted = 0;         // times in a row that its motion contradicted its assumed state
-    double excused_until = none;  // until then, because it was moved by hand [s, session's clock]
-  };
-  std::vector<Sight> sights;
+  core::CameraFusion fusion;
+  std::vector<bool> seen_or_missed;     // seen, or reported lost: from then on losses and finds are reported
+  std::vector<bool> held;               // made to stand by the operator
+  std::vector<bool> off_nominal;        // follows a modified reference
+  std::vector<core::WheelSpeeds> owed;  // motion still to be made up for, because step rates are coarse
+  std::vector<double> acts_at;          // from when on the newest commands act [s]
+  std::vector<core::ObedienceWatch> obedience;
 
   // What lasts for one tick.
   std::vector<Eigen::Matrix3d> covariance;
@@ -109,7 +89,7 @@ struct TickMemory {
   std::vector<core::Twist> driving;      // what each does: as commanded, or where its link has stopped it as measured
   std::vector<std::uint8_t> out;         // is_out of each, for the planner and the law
   std::vector<std::uint8_t> unseen;      // lost, and out for no other reason, for the planner
-  std::vector<std::uint8_t> stuck;       // stands though commanded to drive
+  std::vector<std::uint8_t> stuck;       // stands though commanded to drive, for the planner
   std::vector<core::Obstacle> standing;  // what the shield keeps clear of: obstacles, and robots that are stuck
   std::vector<double> doubt;             // how far off each pose may be [m]
   TickRecord record;
@@ -128,14 +108,10 @@ struct TickState : TickSetup, TickMemory {
   void forget_history() noexcept {
     for (core::PoseFilter& filter : filters) filter.forget();
     for (core::CameraWatch& of_camera : camera_watch) of_camera.forget();
-    for (Seen& each : seen_by) each = {};
-    for (core::Measurement& each : believed) each = {};
-    for (Sight& each : sights) each = {};
+    for (core::ObedienceWatch& of_robot : obedience) of_robot.forget();
+    fusion.forget();
   }
   void accept_measurements(std::size_t i, const TickInput& input) noexcept;
-  void accept_measurement(std::size_t i, std::size_t camera, const core::Measurement& m) noexcept;
-  bool reconcile(std::size_t i, std::size_t camera, double seen_before_at, core::Measurement& m) noexcept;
-  bool align(std::size_t i, std::size_t camera, const core::Measurement& m) noexcept;
   void watch_cameras(const TickInput& input) noexcept;
   void stop_for_camera() noexcept;
   void estimate(const TickInput& input) noexcept;
@@ -160,12 +136,9 @@ struct TickState : TickSetup, TickMemory {
   /// A robot that is lost or held, or whose link has stopped it, is not in the group: it is commanded to stand, and its
   /// errors do not affect the others.
   bool is_out(std::size_t i) const noexcept { return record.robots[i].is(lost) || made_to_stand(i); }
-  bool made_to_stand(std::size_t i) const noexcept { return held[i] || disobeys[i] || trust[i] == 0.0; }
+  bool made_to_stand(std::size_t i) const noexcept { return held[i] || obedience[i].disobeys() || trust[i] == 0.0; }
   void hear_links(const TickInput& input) noexcept;
-  void measure_twist(std::size_t i) noexcept;
-  /// From a robot's middle to one of its wheels [m].
-  double to_wheel(std::size_t i) const noexcept { return 0.5 * experiment.robots[i].drive.track; }
-  void watch_obedience(std::size_t i, const core::Measurement& first, double v) noexcept;
+  void watch_obedience(std::size_t i) noexcept;
   bool on_nominal(std::size_t i) const noexcept {
     return planner ? planner->state(i) == core::Planner::State::nominal
                    : avoidance.state(i) == core::Avoidance::State::nominal;

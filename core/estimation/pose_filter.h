@@ -9,6 +9,9 @@
 
 namespace skein::core {
 
+/// How many standard deviations a pose is trusted to be off at most.
+inline constexpr double trusted_deviations = 3.0;
+
 /// The filter's assumptions about a robot between two measurements.
 struct FilterParameters {
   double slip = 0.03;    ///< standard deviation of a wheel's distance, as a share of it: slip, unequal wheels

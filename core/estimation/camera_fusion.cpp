@@ -1,0 +1,96 @@
+#include "core/estimation/camera_fusion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace skein::core {
+
+CameraFusion::CameraFusion(std::size_t robots, std::size_t cameras, const FilterParameters& parameters, double bridge)
+    : robots_(robots),
+      cameras_(cameras),
+      parameters_(parameters),
+      bridge_(bridge),
+      seen_(robots * cameras),
+      believed_(robots) {
+  in_order_.reserve(cameras);
+}
+
+void CameraFusion::forget() noexcept {
+  for (Seen& each : seen_) each = {};
+  for (Measurement& each : believed_) each = {};
+}
+
+std::span<const std::size_t> CameraFusion::news(std::size_t robot, std::span<const Measurement> measurements) noexcept {
+  const auto captured_at = [&](std::size_t camera) { return measurements[camera * robots_ + robot].captured_at; };
+  double last = Measurement::never;
+  for (std::size_t c = 0; c < cameras_; ++c) last = std::max(last, captured_at(c));
+  in_order_.clear();
+  for (std::size_t c = 0; c < cameras_; ++c)
+    if (captured_at(c) > newest(robot, c).captured_at && captured_at(c) >= last - bridge_) in_order_.push_back(c);
+  std::sort(in_order_.begin(), in_order_.end(), [&](std::size_t a, std::size_t b) {
+    return captured_at(a) < captured_at(b) || (captured_at(a) == captured_at(b) && a < b);
+  });
+  return in_order_;
+}
+
+CameraFusion::Outcome CameraFusion::take(std::size_t robot, std::size_t camera, const Measurement& measurement,
+                                         PoseFilter& filter, double now) noexcept {
+  const Measurement before = std::exchange(seen_[camera * robots_ + robot].newest, measurement);
+  Measurement fused = measurement;
+  if (cameras_ > 1) {
+    const Verdict verdict = reconcile(robot, camera, before.captured_at, filter, now, fused);
+    if (!verdict.agrees) return {.expected = {}, .disagreement = verdict.disagreement};
+  }
+  if (measurement.captured_at > believed_[robot].captured_at) believed_[robot] = measurement;
+  return {.expected = filter.fuse(parameters_, fused), .disagreement = {}};
+}
+
+/// Makes a camera's measurement agree with those of the others that see the robot, or says that they contradict it.
+CameraFusion::Verdict CameraFusion::reconcile(std::size_t robot, std::size_t camera, double seen_before_at,
+                                              const PoseFilter& filter, double now, Measurement& m) noexcept {
+  constexpr int most_contradicted = 5;  // frames
+  constexpr int frames_to_learn = 10;   // a shift: meanwhile the others tell where the robot is
+  constexpr double fades = 1.0;         // time constant [s]
+  Seen& seen = seen_[camera * robots_ + robot];
+  std::size_t other = cameras_;  // that sees it too
+  for (std::size_t c = 0; c < cameras_; ++c) {
+    const Seen& by_other = seen_[c * robots_ + robot];
+    const bool recent = by_other.newest.captured_at >= m.captured_at - bridge_;
+    if (c != camera && recent && by_other.contradicted == 0) other = c;
+  }
+  const double seconds = m.captured_at - seen_before_at;
+  const bool joins = !(seconds <= bridge_);
+  const double share = joins ? 0.0 : other == cameras_ ? std::exp(-seconds / fades) : 1.0;
+  seen.shift = {share * seen.shift.x, share * seen.shift.y, share * seen.shift.theta};
+  if (joins) seen.learned = other < cameras_ ? 0 : frames_to_learn;
+  if (seen.learned < frames_to_learn && other < cameras_ && align(seen, filter, m, now)) return {.agrees = false};
+  const Pose measured = m.pose;
+  m.pose = {m.pose.x + seen.shift.x, m.pose.y + seen.shift.y, wrap_angle(m.pose.theta + seen.shift.theta)};
+  const std::optional<Pose> expected = filter.surprise(parameters_, m);
+  const bool said_otherwise = expected && other < cameras_;
+  if (!said_otherwise) {
+    seen.contradicted = 0;
+    return {.agrees = true};
+  }
+  if (++seen.contradicted != most_contradicted) return {.agrees = false};
+  return {.agrees = false, .disagreement = Disagreement{other, distance(*expected, measured)}};
+}
+
+/// Learns the shift of a camera's poses of a robot from where the other cameras have it, a mean by the covariances of
+/// its poses; false: they are farther apart than calibrations are.
+bool CameraFusion::align(Seen& seen, const PoseFilter& filter, const Measurement& m, double now) const noexcept {
+  constexpr double finest = 1e-6;  // [m]
+  if (filter.surprise(parameters_, m)) return false;
+  if (seen.learned++ == 0) seen.weight = 0.0;
+  const double sigma = std::max(finest, m.sigma_xy), weight = 1.0 / (sigma * sigma);
+  seen.weight += weight;
+  const double part = weight / seen.weight;
+  const Pose expected = filter.predict(now), by_camera = filter.predict(m, now);
+  seen.shift.x += part * (expected.x - by_camera.x - seen.shift.x);
+  seen.shift.y += part * (expected.y - by_camera.y - seen.shift.y);
+  seen.shift.theta += part * (wrap_angle(expected.theta - by_camera.theta) - seen.shift.theta);
+  return true;
+}
+
+}  // namespace skein::core

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/estimation/measurement.h"
+#include "core/estimation/pose_filter.h"
+#include "core/geometry/pose.h"
+
+namespace skein::core {
+
+/// Gives the measurements of several cameras over one floor to one filter per robot, in the order of their capture. A
+/// robot that another camera has just seen where it should be has not been carried: a jump is believed when every
+/// camera that sees the robot reports it. Cameras that go on to differ have been moved. Smaller differences are those
+/// of calibrations: a camera that joins the others is shifted to where they see the robot before it counts, and when
+/// they no longer see it, the shift fades, so that no pose jumps at a seam. With one camera, all measurements pass.
+/// Allocates in its constructor only.
+class CameraFusion {
+ public:
+  /// `bridge`: a measurement that is older than the newest one by more than this no longer counts [s].
+  CameraFusion(std::size_t robots, std::size_t cameras, const FilterParameters& parameters, double bridge);
+
+  /// The cameras with something new of this robot, by their times of capture. `measurements`: robot i by camera c at
+  /// c * robots + i. Valid until the next call.
+  std::span<const std::size_t> news(std::size_t robot, std::span<const Measurement> measurements) noexcept;
+  /// What this camera has last measured of a robot.
+  const Measurement& newest(std::size_t robot, std::size_t camera) const noexcept {
+    return seen_[camera * robots_ + robot].newest;
+  }
+  /// The newest measurement of a robot that its filter has taken in, as the camera made it.
+  const Measurement& believed(std::size_t robot) const noexcept { return believed_[robot]; }
+
+  /// Another camera goes on to see the robot elsewhere.
+  struct Disagreement {
+    std::size_t other;  ///< that camera
+    double distance;    ///< between the two positions [m]
+  };
+  struct Outcome {
+    std::optional<Pose> expected;              ///< where the robot should be: it has been carried elsewhere
+    std::optional<Disagreement> disagreement;  ///< only once, when it becomes certain
+  };
+  /// Takes in one of the news, at the time `now` [s].
+  Outcome take(std::size_t robot, std::size_t camera, const Measurement& measurement, PoseFilter& filter,
+               double now) noexcept;
+
+  /// Discards all that was measured.
+  void forget() noexcept;
+
+ private:
+  struct Seen {
+    Measurement newest;
+    Pose shift;            // that makes its poses agree with those of the cameras that saw the robot before
+    double weight = 0.0;   // of the frames that it was learned from [1/m^2]
+    int learned = 0;       // number of these frames
+    int contradicted = 0;  // measurements in a row that other cameras contradict
+  };
+  struct Verdict {
+    bool agrees;
+    std::optional<Disagreement> disagreement = {};
+  };
+  Verdict reconcile(std::size_t robot, std::size_t camera, double seen_before_at, const PoseFilter& filter, double now,
+                    Measurement& m) noexcept;
+  bool align(Seen& seen, const PoseFilter& filter, const Measurement& m, double now) const noexcept;
+
+  std::size_t robots_, cameras_;
+  FilterParameters parameters_;
+  double bridge_;           // [s]
+  std::vector<Seen> seen_;  // robot i by camera c at c * robots + i
+  std::vector<Measurement> believed_;
+  std::vector<std::size_t> in_order_;
+};
+
+}  // namespace skein::core

@@ -1,0 +1,127 @@
+// Several cameras over one floor: what each measures of a robot becomes one pose.
+#include "core/estimation/camera_fusion.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "lab.h"
+
+namespace skein::test {
+namespace {
+
+using core::CameraFusion;
+using core::Measurement;
+using core::Pose;
+using core::PoseFilter;
+
+/// One robot under two cameras. What each would measure of it, and whether it sees it.
+struct Floor {
+  /// A frame of both; what became of the last news of each camera.
+  std::vector<CameraFusion::Outcome> frame() {
+    for (std::size_t c = 0; c < 2; ++c)
+      if (sees[c]) measured[c] = {.pose = poses[c], .captured_at = now, .sigma_xy = 1e-4, .sigma_theta = 1e-3};
+    std::vector<CameraFusion::Outcome> outcomes(2);
+    for (const std::size_t c : fusion.news(0, measured)) outcomes[c] = fusion.take(0, c, measured[c], filter, now);
+    now += dt;
+    return outcomes;
+  }
+  Pose pose() const { return filter.predict(now); }
+
+  CameraFusion fusion{1, 2, {}, 0.2};
+  PoseFilter filter;
+  std::vector<Measurement> measured{2};
+  Pose poses[2] = {{0.1, 0.2, 0.3}, {0.1, 0.2, 0.3}};
+  bool sees[2] = {true, true};
+  double now = 0.0;
+};
+
+TEST(CameraFusion, TakesTheNewsInTheOrderOfTheirCaptureAndNoneThatIsOld) {
+  CameraFusion fusion(1, 3, {}, 0.2);
+  constexpr double never = Measurement::never;
+  const auto news = [&](const std::vector<double>& captured_at) {
+    std::vector<Measurement> measurements(3);
+    for (std::size_t c = 0; c < 3; ++c) measurements[c].captured_at = captured_at[c];
+    const auto cameras = fusion.news(0, measurements);
+    return std::vector<std::size_t>(cameras.begin(), cameras.end());
+  };
+  using Cameras = std::vector<std::size_t>;
+  EXPECT_EQ(news({never, never, never}), Cameras{});
+  EXPECT_EQ(news({1.02, 1.0, 1.01}), (Cameras{1, 2, 0}));
+  EXPECT_EQ(news({1.0, 1.0, never}), (Cameras{0, 1}));
+  EXPECT_EQ(news({1.0, 0.7, never}), Cameras{0}) << "farther behind than the bridge";
+  PoseFilter filter;
+  Measurement taken;
+  taken.captured_at = 1.0;
+  fusion.take(0, 0, taken, filter, 1.0);
+  EXPECT_EQ(news({1.0, never, never}), Cameras{}) << "taken in already";
+  fusion.forget();
+  EXPECT_EQ(news({1.0, never, never}), Cameras{0});
+}
+
+TEST(CameraFusion, OfOneCameraTakesEverythingAsItIs) {
+  CameraFusion fusion(1, 1, {}, 0.2);
+  PoseFilter filter;
+  for (int k = 0; k < 20; ++k) {
+    const Measurement m{{0.1, 0.2, 0.01 * k}, dt * k, 0.0, 0.0, core::How::tracked};
+    EXPECT_FALSE(fusion.take(0, 0, m, filter, dt * k).expected);
+    EXPECT_EQ(filter.predict(dt * k), m.pose);
+    EXPECT_EQ(fusion.believed(0).captured_at, m.captured_at);
+  }
+}
+
+TEST(CameraFusion, BelievesAJumpThatBothCamerasSee) {
+  Floor floor;
+  for (int k = 0; k < 25; ++k) floor.frame();
+  for (Pose& pose : floor.poses) pose.x += 0.3;
+  int carried = 0;
+  for (int k = 0; k < 10; ++k)
+    for (const auto& outcome : floor.frame()) {
+      carried += outcome.expected ? 1 : 0;
+      EXPECT_FALSE(outcome.disagreement);
+    }
+  EXPECT_EQ(carried, 1);
+  EXPECT_NEAR(floor.pose().x, 0.4, 1e-3);
+}
+
+TEST(CameraFusion, DoesNotBelieveAJumpThatOneOfTwoSeesAndSaysOnceThatTheyDisagree) {
+  Floor floor;
+  for (int k = 0; k < 25; ++k) floor.frame();
+  floor.poses[1].x += 0.3;
+  int disagreements = 0;
+  for (int k = 0; k < 25; ++k) {
+    const auto outcomes = floor.frame();
+    for (const auto& outcome : outcomes) EXPECT_FALSE(outcome.expected);
+    EXPECT_FALSE(outcomes[0].disagreement);
+    if (!outcomes[1].disagreement) continue;
+    ++disagreements;
+    EXPECT_EQ(k, 4) << "a torn frame is none";
+    EXPECT_EQ(outcomes[1].disagreement->other, 0U);
+    EXPECT_NEAR(outcomes[1].disagreement->distance, 0.3, 1e-3);
+  }
+  EXPECT_EQ(disagreements, 1);
+  EXPECT_NEAR(floor.pose().x, 0.1, 1e-3);
+}
+
+TEST(CameraFusion, APoseDoesNotJumpWhereCalibrationsDifferButFadesToTheCameraThatIsLeft) {
+  Floor floor;
+  floor.sees[1] = false;
+  floor.poses[1].x += 0.01;  // less than a jump
+  for (int k = 0; k < 25; ++k) floor.frame();
+  floor.sees[1] = true;
+  for (int k = 0; k < 25; ++k) {
+    floor.frame();
+    EXPECT_NEAR(floor.pose().x, 0.1, 1e-4) << "the seam";
+  }
+  floor.sees[0] = false;
+  double before = floor.pose().x;
+  for (int k = 0; k < 150; ++k) {
+    floor.frame();
+    EXPECT_NEAR(floor.pose().x, before, 0.002);
+    before = floor.pose().x;
+  }
+  EXPECT_NEAR(before, 0.11, 1e-3);
+}
+
+}  // namespace
+}  // namespace skein::test
