@@ -1,0 +1,90 @@
+#include "app/doctor/checks.h"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <sstream>
+#include <utility>
+
+namespace skein::app::detail {
+namespace {
+
+using State = Finding::State;
+
+constexpr int needed_priority = 22;  // the guard's, the highest that is requested
+
+Finding group(const Machine& machine, const char* name, const char* what) {
+  const std::string subject = fmt::format("group {}", name);
+  if (machine.superuser || is_in(machine, name))
+    return well(subject, machine.superuser ? "root needs none" : "you are in it");
+  if (is_in_after_login(machine, name))
+    return {State::ill, subject,
+            fmt::format("{} is in it from the next login on: until then {} cannot be opened", machine.user, what),
+            "log in again"};
+  return {State::ill,
+          subject,
+          fmt::format("{} is not in it: {} cannot be opened", machine.user, what),
+          fmt::format("as root: adduser {} {}; then log in again", machine.user, name),
+          {{"adduser", machine.user, name}}};
+}
+
+constexpr const char* rights_of_the_group = "/etc/security/limits.d/60-skein.conf";
+
+/// Whether that file grants the group a limit of this name. A session that began before, or that does not read such
+/// files, is without it.
+bool is_granted_to_the_group(const Machine& machine, const std::string& item) {
+  std::ifstream file(below(machine, rights_of_the_group));
+  for (std::string line; std::getline(file, line);) {
+    std::istringstream words(line);
+    std::string who, kind, limit;
+    if (words >> who >> kind >> limit && who == "@skein" && limit == item) return true;
+  }
+  return false;
+}
+
+/// What the package skein-permissions allows the group skein is not granted.
+Finding not_granted(State state, const char* subject, const char* item, std::string found, const Machine& machine) {
+  if (machine.superuser)  // a group grants root nothing: it lacks a capability
+    return {state, subject, std::move(found),
+            "a container withholds it: start it as root, with --cap-add=SYS_NICE --cap-add=IPC_LOCK"};
+  if (is_granted_to_the_group(machine, item) && (is_in(machine, "skein") || is_in_after_login(machine, "skein")))
+    return {state, subject, std::move(found),
+            fmt::format("{}, if its pam_limits reads {}", in_the_next_session, rights_of_the_group)};
+  return {state,
+          subject,
+          std::move(found),
+          fmt::format("install skein-permissions, then as root: adduser {} skein; then log in again", machine.user),
+          {{"addgroup", "--quiet", "--system", "skein"},
+           {"sh", "-c",
+            fmt::format("printf '@skein - rtprio 25\\n@skein - memlock unlimited\\n' > {}", rights_of_the_group)},
+           {"adduser", machine.user, "skein"}}};
+}
+
+Finding priority(const Machine& machine) {
+  const char* const subject = "real-time priority";
+  if (machine.rtprio < 0) return well(subject, "granted without limit");
+  if (machine.rtprio >= needed_priority) return well(subject, fmt::format("granted up to {}", machine.rtprio));
+  return not_granted(State::ill, subject, "rtprio",
+                     fmt::format("not granted (limit {}, requested {}): on a busy machine ticks and stops are late",
+                                 machine.rtprio, needed_priority),
+                     machine);
+}
+
+Finding memory_lock(const Machine& machine) {
+  const char* const subject = "memory lock";
+  if (machine.memlock < 0) return well(subject, "granted without limit");
+  return not_granted(
+      State::note, subject, "memlock",
+      fmt::format("not granted (limit {} kB): on a machine that swaps, ticks and stops may wait for the disk",
+                  machine.memlock / 1024),
+      machine);
+}
+
+}  // namespace
+
+Findings check_permissions(const Machine& machine) {
+  return {group(machine, "dialout", "robots on serial lines"), group(machine, "video", "cameras"), priority(machine),
+          memory_lock(machine)};
+}
+
+}  // namespace skein::app::detail
