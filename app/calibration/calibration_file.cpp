@@ -28,16 +28,24 @@ using vision::Calibration;
 using vision::CameraPose;
 using vision::FloorMark;
 
+constexpr int smallest = 16, largest = 32768;  // edges of a picture [px]
+
 void read_camera(TomlTable t, Calibration& c) {
   for (const auto& [key, target] : {std::pair("width", &c.width), std::pair("height", &c.height)}) {
     t.require(key, "a whole number of pixels");
-    t.integer(key, *target, 16, 32768);
+    t.integer(key, *target, smallest, largest);
   }
+  // A size that was refused bounds nothing: what any picture allows is allowed.
+  const auto sizes = [&t](const char* key, int size) {
+    return t.sound(t.full(key)) ? std::pair(size, size) : std::pair(smallest, largest);
+  };
+  const auto [narrowest, widest] = sizes("width", c.width);
+  const auto [lowest, highest] = sizes("height", c.height);
   // A focal length of under a tenth of the picture would be a fish-eye, which this model does not describe.
-  t.needed("fx", c.fx, between(0.1 * c.width, 1e6, "px"));
-  t.needed("fy", c.fy, between(0.1 * c.height, 1e6, "px"));
-  t.needed("cx", c.cx, between(-1.0 * c.width, 2.0 * c.width, "px"));
-  t.needed("cy", c.cy, between(-1.0 * c.height, 2.0 * c.height, "px"));
+  t.needed("fx", c.fx, between(0.1 * narrowest, 1e6, "px"));
+  t.needed("fy", c.fy, between(0.1 * lowest, 1e6, "px"));
+  t.needed("cx", c.cx, between(-1.0 * widest, 2.0 * widest, "px"));
+  t.needed("cy", c.cy, between(-1.0 * highest, 2.0 * highest, "px"));
   t.needed("distortion", c.distortion, between(-1000.0, 1000.0));
   t.number("row_time", c.row_time, between(0.0, 0.001, "s"));
   t.finish();

@@ -162,6 +162,15 @@ TEST(CalibrationFile, EveryProblemIsNamedAtOnce) {
   EXPECT_NE(camera.error().find("\ncal.toml:17:1: tags.shine: unknown key"), std::string::npos) << camera.error();
 }
 
+TEST(CalibrationFile, ASizeThatIsRefusedBoundsNothing) {
+  for (const char* const size : {"width = 1280.0", "width = 4", "width = \"1280\"", ""}) {
+    const auto camera = parse_calibration(with("width = 1280", size), "cal.toml");
+    ASSERT_FALSE(camera);
+    EXPECT_NE(camera.error().find("camera.width: "), std::string::npos) << camera.error();
+    EXPECT_EQ(camera.error().find('\n'), std::string::npos) << camera.error();
+  }
+}
+
 TEST(CalibrationFile, KeepsTheMarksOnTheFloor) {
   const auto camera = parse_calibration(std::string(good) +
                                             "[[mark]]\ntag = 20\nx = -0.9\ny = 0.6\nsize = 0.08\npixel = [412, 97.5]\n"
