@@ -52,6 +52,26 @@ Told tell(const std::vector<CameraLatency>& turns, const vision::Calibration& ca
   return {corrected + rows.late, rows.row_time, rows.doubt};
 }
 
+/// Of a camera, from 0.
+std::string latency_key(std::size_t camera) {
+  return camera == 0 ? "camera.latency" : fmt::format("camera.also.{}.latency", camera);
+}
+
+/// Whether all that may be found could be saved; what prevents it is on stderr.
+bool can_save(const CameraLatencyRequest& request, const Experiment& e) {
+  KeyValues keys;
+  for (std::size_t k = 0; k < e.cameras(); ++k) {
+    keys.emplace_back(latency_key(k), "0.0");
+    const std::filesystem::path calibration = e.calibration_file(k);
+    if (request.robots.size() < 2 || calibration.empty()) continue;  // no row time is found, or it goes nowhere
+    if (const auto possible = check_calibration_target(calibration); !possible) {
+      complain(possible.error());
+      return false;
+    }
+  }
+  return can_save_keys(request.experiment.file, keys);
+}
+
 /// Into the camera's own calibration.
 int save_row_time(const Experiment& e, std::size_t camera, double row_time) {
   const std::filesystem::path path = e.calibration_file(camera);
@@ -91,6 +111,11 @@ int camera_latency(const CameraLatencyRequest& request) {
     }
     robots.push_back(robot - 1);
   }
+  if (const auto readable = check_calibrations(*experiment); !readable) {
+    complain_lines(readable.error());
+    return wrong_input;
+  }
+  if (request.save && !can_save(request, *experiment)) return wrong_input;
   const auto driven = DrivenPlant::open(with_links_of(std::move(*experiment), robots), {}, complain);
   if (!driven) {
     complain(driven.error());
@@ -111,7 +136,7 @@ int camera_latency(const CameraLatencyRequest& request) {
   const bool stand = (*driven)->close();
   bool told = true;
   std::string table;
-  std::vector<std::pair<std::string, std::string>> found;
+  KeyValues found;
   std::vector<std::pair<std::size_t, double>> row_times;
   double round_trip = 0.0;
   for (std::size_t k = 0; k < robots.size(); ++k) {
@@ -136,7 +161,7 @@ int camera_latency(const CameraLatencyRequest& request) {
     const bool first = k == 0;
     table += fmt::format("\n{}\nlatency = {}\n",
                          first ? "[camera]" : fmt::format("[[camera.also]]  # camera {}", k + 1), value);
-    found.emplace_back(first ? "camera.latency" : fmt::format("camera.also.{}.latency", k), value);
+    found.emplace_back(latency_key(k), value);
     if (std::isnan(of.row_time)) continue;
     const double row_time = 1e-8 * std::round(1e8 * of.row_time);
     table += fmt::format("\n[camera]  # in its calibration\nrow_time = {:.2f}e-6\n", 1e6 * row_time);

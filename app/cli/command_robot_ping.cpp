@@ -33,6 +33,9 @@ int ping_robots(const RobotsRequest& request) {
     complain("--save writes [links] to an experiment file: name one, and nothing else");
     return wrong_input;
   }
+  if (request.save &&
+      !can_save_keys(request.words.front(), {{"links.blind_distance", "0.05"}, {"links.reply_timeout", "0.5"}}))
+    return wrong_input;
   Experiment experiment = named->experiment.value_or(Experiment{});
   if (!named->experiment) experiment.robots = named->robots;
   const auto ping = ping_robots(experiment, {.seconds = 60.0 * request.minutes,

@@ -8,8 +8,10 @@
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
 #include "app/run/terminal_text.h"
+#include "app/session/experiment_cameras.h"
 #include "app/tools/driven_plant.h"
 #include "app/tools/robot_test.h"
+#include "vision/sources/open_source.h"
 
 namespace skein::app {
 namespace {
@@ -42,10 +44,20 @@ int test_robots(const RobotsRequest& request) {
   if (!named->experiment) experiment.robots = named->robots;
   if (request.reply_timeout) experiment.links.reply_timeout = *request.reply_timeout;
   if (!request.camera.empty()) {
+    if (!vision::is_camera(request.camera)) {
+      complain(fmt::format("--camera {}: is not a camera; allowed: {}", request.camera, vision::camera_forms()));
+      return wrong_input;
+    }
     experiment.camera.also.clear();
     experiment.camera.source = request.camera;
     experiment.camera.calibration = std::filesystem::absolute(request.calibration).string();
   }
+  if (const auto readable = check_calibrations(experiment); !readable) {
+    complain_lines(readable.error());
+    return wrong_input;
+  }
+  if (request.save)  // nothing yet: what prevents it is to be known before a robot drives
+    if (const int possible = save_found(known_robots_file(request.file), {}); possible != done) return possible;
   SessionOptions options;
   options.every_tag = true;
   const auto driven = DrivenPlant::open(std::move(experiment), options, complain);

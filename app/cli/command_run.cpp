@@ -28,6 +28,7 @@
 #include "app/runs/run_end.h"
 #include "app/runs/run_folder.h"
 #include "app/session/camera_film.h"
+#include "app/session/experiment_cameras.h"
 #include "app/session/session.h"
 #include "app/session/tag_crops.h"
 
@@ -78,6 +79,10 @@ int run(const RunRequest& request) {
   }
   if (!request.video.empty() && experiment->camera.kind() == CameraKind::absent) {
     complain("--video: there is no camera to record (camera.source = \"none\"); allowed: an experiment with a camera");
+    return wrong_input;
+  }
+  if (const auto readable = check_calibrations(*experiment); !readable) {
+    complain_lines(readable.error());
     return wrong_input;
   }
   const bool live = !request.publish.empty() && request.speed.empty();

@@ -131,7 +131,10 @@ int test_robots(const RobotsRequest& request);
 int save_found(const std::string& file, const std::vector<FoundRobot>& robots);
 
 /// Writes values, as TOML text, to keys of an experiment file, leaving the rest unchanged.
-int save_keys(const std::string& file, const std::vector<std::pair<std::string, std::string>>& values);
+using KeyValues = std::vector<std::pair<std::string, std::string>>;
+int save_keys(const std::string& file, const KeyValues& values);
+/// Whether they could be written, before they are measured; what prevents it is on stderr.
+bool can_save_keys(const std::string& file, const KeyValues& values);
 
 /// Reports on stderr the runs that ended without stopping their robots, if any, and offers to stop them if stdin is a
 /// terminal.

@@ -1,5 +1,9 @@
 #include <fmt/format.h>
 
+#include <optional>
+#include <string>
+#include <utility>
+
 #include "app/cli/commands.h"
 #include "app/experiment/file_change.h"
 #include "app/experiment/text_file.h"
@@ -9,27 +13,45 @@
 #include "app/run/terminal_text.h"
 
 namespace skein::app {
+namespace {
 
-int save_keys(const std::string& file, const std::vector<std::pair<std::string, std::string>>& values) {
+/// A file that is about to be changed, with its text after that; none: it is not possible, and stderr says why.
+struct Changed {
+  FileChange change;
+  std::string text;
+};
+std::optional<Changed> changed(const std::string& file, const KeyValues& values) {
   auto change = FileChange::begin(file);
   if (!change) {
     complain(change.error());
-    return wrong_input;
+    return {};
   }
   auto text = read_text(file);
   if (!text) {
     print_error(messages(text.error()) + "\n");
-    return wrong_input;
+    return {};
   }
   for (const auto& [key, value] : values) {
     auto with = with_toml_value(*text, key, value);
     if (!with) {
       complain(fmt::format("{}: {}", file, with.error()));
-      return wrong_input;
+      return {};
     }
     *text = std::move(*with);
   }
-  if (const auto saved = change->save(*text); !saved) {
+  return Changed{std::move(*change), std::move(*text)};
+}
+
+}  // namespace
+
+bool can_save_keys(const std::string& file, const KeyValues& values) {
+  return changed(file, values).has_value();
+}
+
+int save_keys(const std::string& file, const KeyValues& values) {
+  auto now = changed(file, values);
+  if (!now) return wrong_input;
+  if (const auto saved = now->change.save(now->text); !saved) {
     complain(saved.error());
     return wrong_input;
   }

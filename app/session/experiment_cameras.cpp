@@ -63,6 +63,14 @@ tl::expected<vision::Calibration, std::string> camera_calibration(const Experime
   return calibration;
 }
 
+tl::expected<void, std::string> check_calibrations(const Experiment& experiment) {
+  if (experiment.camera.kind() == CameraKind::absent) return {};
+  for (std::size_t k = 0; k < experiment.cameras(); ++k)
+    if (const auto calibration = camera_calibration(experiment, k); !calibration)
+      return tl::unexpected(calibration.error());
+  return {};
+}
+
 std::vector<int> wanted_tags(const Experiment& experiment, bool every) {
   std::vector<int> wanted;
   wanted.reserve(every ? vision::largest_tag + 1 : experiment.robots.size());

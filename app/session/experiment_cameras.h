@@ -25,4 +25,8 @@ void update_newest(std::span<const vision::TagPose> seen, std::span<const int> w
 /// no world frame.
 tl::expected<vision::Calibration, std::string> camera_calibration(const Experiment& experiment, std::size_t number = 0);
 
+/// Reads those of all cameras: what is wrong with one is to be known before a robot is reached. The error is the
+/// first one's.
+tl::expected<void, std::string> check_calibrations(const Experiment& experiment);
+
 }  // namespace skein::app

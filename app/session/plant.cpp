@@ -51,6 +51,9 @@ Plant::~Plant() {
 
 tl::expected<std::unique_ptr<Plant>, std::string> Plant::open(const Experiment& experiment, SessionClock& clock,
                                                               const SessionOptions& options) {
+  if (!options.video.empty() && experiment.camera.kind() == CameraKind::absent)
+    return tl::unexpected(fmt::format("{}: there is no camera to record (camera.source = \"none\")", options.video));
+  if (const auto readable = check_calibrations(experiment); !readable) return tl::unexpected(readable.error());
   std::unique_ptr<Plant> plant(new Plant(experiment, clock, options.every_tag));
 
   SimulatedWorld& world = plant->world_;
@@ -92,8 +95,6 @@ tl::expected<std::unique_ptr<Plant>, std::string> Plant::open(const Experiment& 
     (*cameras)->keep_crops(options.crops);
     plant->cameras_ = std::move(*cameras);
     if (clock.wall()) plant->cameras_->start();
-  } else if (!options.video.empty()) {
-    return tl::unexpected(fmt::format("{}: there is no camera to record (camera.source = \"none\")", options.video));
   }
   return plant;
 }

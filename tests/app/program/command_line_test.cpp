@@ -333,9 +333,9 @@ TEST(CommandLine, WhatIsAskedOfACameraIsAskedOfACamera) {
 }
 
 TEST(CommandLine, ARobotThatIsNotThereIsStatusThree) {
-  const Result r =
-      skein({"run", experiments + "platoon.toml", "--set", "robot.4.link=serial:/dev/nowhere", "--set",
-             "camera.source=images:/nowhere", "--set", "camera.calibration=cal.toml", "--set", "robot.4.model=epuck2"});
+  const Result r = skein({"run", experiments + "platoon.toml", "--set", "robot.4.link=serial:/dev/nowhere", "--set",
+                          "camera.source=images:/nowhere", "--set", "camera.calibration=../cameras/overhead.toml",
+                          "--set", "robot.4.model=epuck2"});
   EXPECT_EQ(r.status, 3) << r.err;
   EXPECT_TRUE(has(r.err, "robot 4")) << r.err;
 }

@@ -473,6 +473,41 @@ TEST_F(Mistakes, WhereResultsGoIsCheckedBeforeTheWorkAndLosesNothing) {
   EXPECT_TRUE(std::filesystem::is_symlink(folder_ / "link.csv") && !exists("big/front.csv")) << "the link stays";
 }
 
+TEST_F(Mistakes, WhatIsWrongWithACameraIsSaidBeforeARobotIsReached) {
+  const std::string test = "$skein robots test tcp:127.0.0.1:1 ";  // nothing listens there
+  write("cal.toml", "[camera]\nwidth = 1280\n");
+  EXPECT_EQ(shell(test + "--camera v4l2:/dev/nowhere --calibration cal.toml"), 2);
+  EXPECT_THAT(said, AllOf(HasSubstr("cal.toml:1:1: camera.height: missing"), Not(HasSubstr("127.0.0.1"))));
+  for (const char* source : {"v4l3:/dev/video0", "/dev/video0", "none", "video:run.mkv"}) {
+    EXPECT_EQ(shell(test + "--calibration cal.toml --camera " + source), 2) << source;
+    EXPECT_THAT(said, HasSubstr("--camera " + std::string(source) + ": is not a camera; allowed: v4l2:DEVICE"));
+  }
+  write(
+      "lab.toml",
+      "[camera]\nsource = \"v4l2:/dev/nowhere\"\ncalibration = \"cal.toml\"\n[[robot]]\nlink = \"tcp:127.0.0.1:1\"\n");
+  for (const char* words : {"run lab.toml", "robots test lab.toml", "camera latency lab.toml"}) {
+    EXPECT_EQ(shell("$skein " + std::string(words)), 2) << words;
+    EXPECT_THAT(said, AllOf(HasSubstr("cal.toml:1:1: camera.height: missing"), Not(HasSubstr("127.0.0.1")))) << words;
+  }
+}
+
+/// A name as long as may be leaves no room for the draft beside it.
+TEST_F(Mistakes, WhereMeasurementsAreSavedIsCheckedBeforeTheyAreMade) {
+  const std::string full = std::string(250, 'l') + ".toml";
+  const std::string robots = "[robot_defaults]\nlink = \"loopback\"\n[camera]\nsource = \"synthetic\"\n[[robot]]\n";
+  write("lab.toml", robots);
+  write(full, robots);
+  EXPECT_EQ(shell("$skein camera latency " + full + " --seconds 4 --save"), 2);
+  EXPECT_THAT(said, HasSubstr("cannot be written: File name too long"));
+  EXPECT_THAT(out, IsEmpty());
+  EXPECT_EQ(shell("$skein robots ping " + full + " --save --minutes 0.05"), 2);
+  EXPECT_THAT(said, HasSubstr("cannot be written: File name too long"));
+  EXPECT_THAT(out, IsEmpty());
+  EXPECT_EQ(shell("$skein robots test lab.toml --save --file nowhere.toml"), 2);
+  EXPECT_THAT(said, HasSubstr("nowhere.toml: cannot be read: No such file or directory"));
+  EXPECT_THAT(out, IsEmpty());
+}
+
 TEST_F(Mistakes, ANameThatIsTooLongIsSaidToBe) {
   study("[hand]\nt = 1\n[tune.search]\n\"controller.k_y\" = [4, 5]\n");
   const std::string name(300, 'n');

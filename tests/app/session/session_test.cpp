@@ -11,6 +11,7 @@
 #include "app/experiment/experiment_file.h"
 #include "tests/app/rows.h"
 #include "tests/eventually.h"
+#include "tests/places.h"
 
 namespace skein::app {
 namespace {
@@ -206,12 +207,22 @@ TEST(Session, TellsHowLongEveryStageTook) {
 }
 
 TEST(Session, ARobotThatIsNotThereIsNamed) {
+  const auto calibration = test::in_source("resources/cameras/overhead.toml");
   auto session = Session::open(experiment_with({"robot.4.link=serial:/dev/nowhere", "robot.4.model=epuck2",
-                                                "camera.source=images:/nowhere", "camera.calibration=cal.toml"}),
+                                                "camera.source=images:/nowhere", "camera.calibration=" + calibration}),
                                Session::Clock::wall);
   ASSERT_FALSE(session);
   EXPECT_NE(session.error().find("robot 4"), std::string::npos) << session.error();
   EXPECT_NE(session.error().find("/dev/nowhere"), std::string::npos) << session.error();
+}
+
+TEST(Session, ACalibrationThatIsMissingIsNamedBeforeARobotIsReached) {
+  auto session = Session::open(experiment_with({"robot.4.link=serial:/dev/nowhere", "robot.4.model=epuck2",
+                                                "camera.source=images:/nowhere", "camera.calibration=cal.toml"}),
+                               Session::Clock::wall);
+  ASSERT_FALSE(session);
+  EXPECT_NE(session.error().find("cal.toml: cannot be read"), std::string::npos) << session.error();
+  EXPECT_EQ(session.error().find("robot 4"), std::string::npos) << session.error();
 }
 
 TEST(Session, ACameraThatIsNotThereIsNamed) {
