@@ -112,11 +112,16 @@ struct DiskWriter::State {
   // Guarded by mutex:
   std::string waiting, failure;
   bool busy = false, dirty = false, publish = false, published = false, ends = false, ended = false;
-  std::size_t unwritten = 0;  // bytes, those that are being written included
+  std::size_t unwritten = 0;    // bytes, those that are being written included
+  std::size_t before_name = 0;  // of these, those that must be written before the file gets its name
 
   void run() noexcept;
   bool write_all(std::string_view text);
   void give_name();
+  bool due_a_name() {
+    const std::lock_guard lock(mutex);
+    return publish && !published && before_name == 0;
+  }
   void fail(const std::string& why) {
     if (failure.empty()) failure = why;
   }
@@ -174,7 +179,7 @@ bool DiskWriter::write(std::string_view text) {
 
 void DiskWriter::publish() {
   const std::lock_guard lock(state_->mutex);
-  state_->publish = true;
+  if (!std::exchange(state_->publish, true)) state_->before_name = state_->unwritten;
   state_->changed.notify_one();
 }
 
@@ -220,6 +225,7 @@ bool DiskWriter::State::write_all(std::string_view text) {
       text.remove_prefix(static_cast<std::size_t>(count));
       const std::lock_guard lock(mutex);
       unwritten -= static_cast<std::size_t>(count);
+      before_name -= std::min(before_name, static_cast<std::size_t>(count));
     } else if (count < 0 && errno == EAGAIN) {
       pollfd room{file, POLLOUT, 0};
       ::poll(&room, 1, 1000);
@@ -268,12 +274,12 @@ void DiskWriter::State::run() noexcept {
       busy = true;
       text.swap(waiting);
       waiting.clear();
-      const bool name = publish && !published, last = ends && text.empty();
+      const bool last = ends && text.empty();
       lock.unlock();
       const bool any = !text.empty();
       const bool well = !any || write_all(text);
       text.clear();
-      if (name && well) give_name();
+      if (due_a_name()) give_name();  // also of what a full disk has cut off: its rows are all there is of the run
       const bool sync = (dirty || any) && (last || Clock::now() - synced >= sync_period);
       int error = 0;
       if (sync && ::fdatasync(file) != 0 && errno != EINVAL && errno != EROFS) error = errno;
