@@ -13,6 +13,7 @@
 #include "app/cli/command_line_studies.h"
 #include "app/cli/same_file.h"
 #include "app/cli/shell_word.h"
+#include "app/record/gnuplot.h"
 #include "app/record/report.h"
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
@@ -25,12 +26,10 @@
 namespace skein::app {
 namespace {
 
-bool write_csv(const std::string& path, const Outcomes& outcomes) {
-  std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  write_outcomes(file, outcomes);
-  file.close();
-  if (!file) complain(fmt::format("{}: cannot be written: {}", path, std::strerror(errno)));
-  return static_cast<bool>(file);
+tl::expected<void, std::string> write_table(const std::string& path, const Outcomes& outcomes) {
+  std::ostringstream text;
+  write_outcomes(text, outcomes);
+  return write_file(path, text.view());
 }
 
 /// The options that make the study another one, each behind a blank. `set_word`: how a --set is written.
@@ -171,11 +170,15 @@ int sweep(const SweepRequest& request) {
                  shown(part_file(request.into, part)));
     return done;
   }
-  // The results first: they are there also where the figures cannot be drawn.
-  if (!request.csv.empty() && !write_csv(request.csv, outcomes)) return wrong_input;
-  if (!request.report.empty())
-    if (const auto report = write_sweep_report(request.report, *study, outcomes); !report)
-      return complain(report.error()), wrong_input;
+  // The results are told also where a file cannot be written or a figure cannot be drawn.
+  int status = done;
+  const auto note = [&](const tl::expected<void, std::string>& written) {
+    if (written) return;
+    complain(written.error());
+    status = wrong_input;
+  };
+  if (!request.csv.empty()) note(write_table(request.csv, outcomes));
+  if (!request.report.empty()) note(write_sweep_report(request.report, *study, outcomes));
   const SweepSummary summary = summarise(*study, outcomes.study, outcomes.control);
   auto compared = summaries_of_compared(*study, outcomes);
   if (request.only && !request.quiet && !request.json)
@@ -202,7 +205,7 @@ int sweep(const SweepRequest& request) {
   again.file = request.file, again.sets = request.sets;
   if (!sentences.empty() && !summary.bad_seeds.empty() && !request.only)
     complain(fmt::format("to repeat one of these: {} --only {}", sweep_command(again), summary.bad_seeds.front()));
-  return sentences.empty() ? done : expectation_failed;
+  return status != done || sentences.empty() ? status : expectation_failed;
 }
 
 }  // namespace skein::app

@@ -11,17 +11,33 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
+#include <utility>
+
+#include "app/experiment/file_change.h"
 
 extern char** environ;  // NOLINT: POSIX declares it nowhere
 
 namespace skein::app {
 namespace {
 
+namespace fs = std::filesystem;
 using Done = tl::expected<void, std::string>;
 
 constexpr const char* missing_gnuplot =
     "gnuplot, which draws the figures, cannot be run ({}): install the package gnuplot-nox";
+
+/// Whether a figure has what every file of its kind ends with.
+bool has_its_end(const fs::path& file, std::string_view end) {
+  constexpr std::streamoff longest = 32;
+  std::ifstream in(file, std::ios::binary | std::ios::ate);
+  const std::streamoff size = in.tellg();
+  in.seekg(std::max<std::streamoff>(0, size - longest));
+  std::string last(longest, '\0');
+  in.read(last.data(), longest);
+  return size > 0 && last.find(end) != std::string::npos;
+}
 
 }  // namespace
 
@@ -70,7 +86,22 @@ Done gnuplot(const std::string& directory, const char* argument) {
   return tl::unexpected(fmt::format("gnuplot {}{}{}", end, said.empty() ? "" : ": ", said));
 }
 
+Done draw_figure(const std::string& directory, const std::string& name) {
+  if (Done drawn = gnuplot(directory, (name + ".gp").c_str()); !drawn) return drawn;
+  for (const auto& [kind, end] : {std::pair(".pdf", "%%EOF"), {".svg", "</svg>"}, {".png", "IEND"}})
+    if (!has_its_end(fs::path(directory) / (name + kind), end))
+      return tl::unexpected(fmt::format("gnuplot did not write all of {}{}: is the disk full?", name, kind));
+  return {};
+}
+
 Done write_file(const std::string& path, std::string_view text) {
+  std::error_code unknown;
+  const fs::path folder = fs::path(path).parent_path();
+  const bool can_be_new = folder.empty() || fs::is_directory(folder, unknown);
+  const bool is_new = fs::symlink_status(path, unknown).type() == fs::file_type::not_found;
+  if (is_new ? can_be_new : fs::is_regular_file(path, unknown))
+    if (auto change = FileChange::begin(path)) return change->save(text);
+  // A device, a pipe, a link to what is not there yet, or a file that may be changed in a folder that may not.
   errno = 0;
   std::ofstream out(path, std::ios::binary | std::ios::trunc);
   out << text;

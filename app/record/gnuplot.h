@@ -11,7 +11,11 @@ namespace skein::app {
 /// stderr, or the package that contains it.
 tl::expected<void, std::string> gnuplot(const std::string& directory, const char* argument);
 
-/// Writes a complete file; the error names it.
+/// Draws NAME.pdf, NAME.svg and NAME.png in a directory by the script NAME.gp there, as all of Skein's scripts do. The
+/// error also tells what gnuplot does not: that it could not write all of them.
+tl::expected<void, std::string> draw_figure(const std::string& directory, const std::string& name);
+
+/// Writes a whole file, or leaves what was there; the error names it.
 tl::expected<void, std::string> write_file(const std::string& path, std::string_view text);
 
 }  // namespace skein::app

@@ -48,10 +48,11 @@ Done write_report(const std::string& directory, const Experiment& experiment, co
   const fs::path folder(directory);
   if (Done written = write_file(folder / "summary.json", as_json(summary) + '\n'); !written) return written;
   for (const auto& [figure, body] : {std::pair("figure3", embedded::figure3_gp), {"figure4", embedded::figure4_gp}}) {
-    const std::string script = fmt::format("{}.gp", figure);
-    Done done = write_file(folder / script, script_head(figure, experiment, summary) + std::string(body));
-    if (done) done = gnuplot(directory, script.c_str());
-    if (!done) return tl::unexpected(fmt::format("{}: {}", (folder / script).string(), done.error()));
+    const fs::path script = folder / fmt::format("{}.gp", figure);
+    if (Done done = write_file(script, script_head(figure, experiment, summary) + std::string(body)); !done)
+      return done;
+    if (Done done = draw_figure(directory, figure); !done)
+      return tl::unexpected(fmt::format("{}: {}", script.string(), done.error()));
   }
   return {};
 }

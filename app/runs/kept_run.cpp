@@ -10,7 +10,6 @@
 #include <chrono>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -19,6 +18,7 @@
 #include "app/experiment/experiment_keys.h"
 #include "app/experiment/experiment_sets.h"
 #include "app/experiment/text_file.h"
+#include "app/record/gnuplot.h"
 #include "app/record/report.h"
 #include "app/run/version.h"
 #include "app/runs/machine.h"
@@ -42,20 +42,6 @@ std::string slug(const std::string& name) {
     if (plain || !result.ends_with('-')) result += plain ? c : '-';
   }
   return result.empty() ? "run" : result;
-}
-
-/// The file has its name when it is whole.
-Done write_file(const fs::path& path, std::string_view text) {
-  const fs::path draft = path.string() + ".new";
-  errno = 0;
-  std::ofstream out(draft, std::ios::binary | std::ios::trunc);
-  out << text;
-  out.close();
-  if (out && std::rename(draft.c_str(), path.c_str()) == 0) return {};
-  auto problem = fmt::format("{}: cannot be written: {}", path.string(), std::strerror(errno));
-  std::error_code ignored;
-  fs::remove(draft, ignored);
-  return tl::unexpected(std::move(problem));
 }
 
 Done keep_copy(const fs::path& from, const fs::path& to) {

@@ -389,7 +389,7 @@ tl::expected<void, std::string> write_residuals(const std::string& folder, const
         title, SKEIN_VERSION, name);
     auto done = write_file(path.string() + ".csv", table);
     if (done) done = write_file(path.string() + ".gp", head + std::string(embedded::residuals_gp));
-    if (done && !robots[i].found.innovations.empty()) done = gnuplot(folder, (name + ".gp").c_str());
+    if (done && !robots[i].found.innovations.empty()) done = draw_figure(folder, name);
     if (!done) return done;
   }
   return {};

@@ -64,10 +64,10 @@ std::vector<double> values_of(const Quantity& quantity, const std::vector<RunOut
 }
 
 Done draw(const fs::path& folder, const std::string& name, const std::string& head, std::string_view body) {
-  const std::string script = name + ".gp";
-  Done done = write_file((folder / script).string(), head + std::string(body));
-  if (done) done = gnuplot(folder.string(), script.c_str());
-  if (!done) return tl::unexpected(fmt::format("{}: {}", (folder / script).string(), done.error()));
+  const std::string script = (folder / (name + ".gp")).string();
+  if (Done done = write_file(script, head + std::string(body)); !done) return done;
+  if (Done done = draw_figure(folder.string(), name); !done)
+    return tl::unexpected(fmt::format("{}: {}", script, done.error()));
   return {};
 }
 

@@ -471,7 +471,7 @@ tl::expected<void, std::string> write_front(const std::string& directory, const 
     if (!text) return tl::unexpected(text.error());
     done = write_file((folder / fmt::format("point-{}.toml", i + 1)).string(), *text);
   }
-  if (done && !tuned.front.empty()) done = gnuplot(directory, "front.gp");
+  if (done && !tuned.front.empty()) done = draw_figure(directory, "front");
   return done;
 }
 

@@ -406,6 +406,12 @@ TEST_F(Mistakes, FiguresThatCannotBeDrawnHideNoResult) {
   EXPECT_THAT(said, HasSubstr("expect.min_distance"));
 }
 
+TEST_F(Mistakes, AFigureThatGnuplotCouldNotWriteIsMissed) {
+  write("gnuplot", "#!/bin/sh\n[ \"$1\" = --version ] || printf '%%PDF-' > figure3.pdf\n");  // as on a full disk
+  EXPECT_EQ(shell("chmod +x gnuplot; PATH=\"$PWD:$PATH\"; $skein run e.toml --duration 2 --report r"), 2);
+  EXPECT_THAT(said, HasSubstr("r/figure3.gp: gnuplot did not write all of figure3.pdf: is the disk full?"));
+}
+
 TEST_F(Mistakes, NoRunIsFoundByANumberThatIsNone) {
   keep_run("a", "2026-11-01T12:00:00.000+01:00", 0);
   EXPECT_EQ(shell("$skein runs find 'collisions = nan' --runs-dir runs"), 2);
@@ -506,6 +512,30 @@ TEST_F(Mistakes, WhereMeasurementsAreSavedIsCheckedBeforeTheyAreMade) {
   EXPECT_EQ(shell("$skein robots test lab.toml --save --file nowhere.toml"), 2);
   EXPECT_THAT(said, HasSubstr("nowhere.toml: cannot be read: No such file or directory"));
   EXPECT_THAT(out, IsEmpty());
+}
+
+TEST_F(Mistakes, AStudyWhoseTableTheDiskDoesNotTakeIsToldAndCostsNoOlderTable) {
+  study("");
+  const std::string older = "an earlier table\n";
+  write("old.csv", older);
+  // The limit stands for the disk; what is said goes through a pipe, which it does not concern.
+  EXPECT_EQ(
+      shell("{ (ulimit -f 1; $skein sweep s.toml --runs 20 --csv old.csv; echo \"status: $?\"); } 2>&1 | cat > all"),
+      0);
+  EXPECT_THAT(read("all"), AllOf(HasSubstr("old.csv: cannot be written: File too large\n"), HasSubstr("\nruns: 20\n"),
+                                 HasSubstr("status: 2\n")));
+  EXPECT_EQ(read("old.csv"), older);
+  EXPECT_EQ(shell("ls"), 0);
+  EXPECT_THAT(out, Not(HasSubstr("old.csv."))) << "nothing is left behind";
+  EXPECT_EQ(shell("$skein sweep s.toml --csv old.csv --quiet && mkfifo fifo && { cat fifo > copy.csv & } && "
+                  "$skein sweep s.toml --csv fifo --quiet && ln -s later.csv link.csv && "
+                  "$skein sweep s.toml --csv link.csv --quiet && wait"),
+            0)
+      << said;
+  EXPECT_THAT(read("old.csv"), Not(HasSubstr(older)));
+  EXPECT_EQ(read("copy.csv"), read("old.csv"));
+  EXPECT_EQ(read("later.csv"), read("old.csv"));
+  EXPECT_TRUE(std::filesystem::is_symlink(folder_ / "link.csv"));
 }
 
 TEST_F(Mistakes, ANameThatIsTooLongIsSaidToBe) {
