@@ -16,7 +16,9 @@
 #include <csignal>
 #include <cstring>
 #include <future>
+#include <map>
 #include <mutex>
+#include <string>
 #include <thread>
 #include <utility>
 
@@ -305,10 +307,18 @@ tl::expected<comms::LinkAddress, std::string> link_of(const Experiment& experime
 
 tl::expected<std::vector<comms::LinkAddress>, std::string> real_robots(const Experiment& experiment) {
   std::vector<comms::LinkAddress> addresses;
+  std::map<std::string, std::string> robots;  // where a link leads -> whose it is
   for (std::size_t i = 0; i < experiment.robots.size(); ++i) {
     if (experiment.robots[i].simulated()) continue;
     auto address = link_of(experiment, i);
     if (!address) return tl::unexpected(address.error());
+    // Two names of one host are known to be that only now; a name that nobody knows is the link's to report.
+    const std::string place = comms::canonical_text(comms::resolve(*address).value_or(*address));
+    if (const auto [other, unique] = robots.emplace(place, address->name); !unique)
+      return tl::unexpected(
+          fmt::format("{}: link \"{}\" leads to {}, as that of {} does; allowed: a different robot for "
+                      "each link",
+                      address->name, experiment.robots[i].address, place, other->second));
     addresses.push_back(std::move(*address));
   }
   return addresses;

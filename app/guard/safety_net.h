@@ -54,7 +54,8 @@ std::string unguarded_sentence(const std::string& why);
 /// The address of a real robot of an experiment, with the name from robot_name().
 tl::expected<comms::LinkAddress, std::string> link_of(const Experiment& experiment, std::size_t robot);
 
-/// The addresses of the real robots of an experiment, likewise. The error names the robot.
+/// The addresses of the real robots of an experiment, likewise. The error names the robot: its address is wrong, or
+/// leads to another one of them, also by another name of its host; blocks on the name service.
 tl::expected<std::vector<comms::LinkAddress>, std::string> real_robots(const Experiment& experiment);
 
 /// The states of the real robots of an experiment after the run.

@@ -497,6 +497,20 @@ TEST_F(Mistakes, WhatIsWrongWithACameraIsSaidBeforeARobotIsReached) {
   }
 }
 
+/// Which host a name means is known only where the robots are reached.
+TEST_F(Mistakes, TwoLinksToOneRobotAreRefusedWhateverNamesItHas) {
+  std::filesystem::copy_file(skein::test::in_source("resources/cameras/overhead.toml"), folder_ / "cal.toml");
+  write("lab.toml",
+        "[camera]\nsource = \"v4l2:/dev/nowhere\"\ncalibration = \"cal.toml\"\n[[robot]]\nlink = "
+        "\"tcp:127.0.0.1:1\"\n[[robot]]\nlink = \"tcp:127.1:1\"\n");
+  for (const char* words : {"run lab.toml", "robots ping lab.toml --minutes 0.05"}) {
+    EXPECT_EQ(shell(std::string("$skein ") + words), 3) << words;
+    EXPECT_THAT(said, HasSubstr("robot 2: link \"tcp:127.1:1\" leads to tcp:127.0.0.1:1, as that of robot 1 does; "
+                                "allowed: a different robot for each link"))
+        << words;
+  }
+}
+
 /// A name as long as may be leaves no room for the draft beside it.
 TEST_F(Mistakes, WhereMeasurementsAreSavedIsCheckedBeforeTheyAreMade) {
   const std::string full = std::string(250, 'l') + ".toml";
