@@ -511,6 +511,14 @@ TEST_F(Mistakes, TwoLinksToOneRobotAreRefusedWhateverNamesItHas) {
   }
 }
 
+TEST_F(Mistakes, ARecordWithoutRowsIsNotFoundToBeRepeated) {
+  EXPECT_EQ(
+      shell("$skein run e.toml --set duration=1 --quiet --csv whole.csv && sed '/^t,tick/q' whole.csv > run.csv && "
+            "$skein replay run.csv"),
+      2);
+  EXPECT_THAT(said, HasSubstr("run.csv: it has no rows"));
+}
+
 /// A name as long as may be leaves no room for the draft beside it.
 TEST_F(Mistakes, WhereMeasurementsAreSavedIsCheckedBeforeTheyAreMade) {
   const std::string full = std::string(250, 'l') + ".toml";
