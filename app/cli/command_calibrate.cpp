@@ -178,8 +178,8 @@ int calibrate_intrinsics(const IntrinsicsRequest& request) {
     const vision::Coverage& first = *seen.coverage();
     switch (*kind) {
       case BoardViews::FrameKind::other_size:
-        complain(fmt::format("skipped {}: {}x{} px, the first picture has {}x{}", frame.source, frame.width,
-                             frame.height, first.width, first.height));
+        complain(fmt::format("skipped {}: {}x{} px, the first picture of the board has {}x{}", frame.source,
+                             frame.width, frame.height, first.width, first.height));
         break;
       case BoardViews::FrameKind::no_board:
         if (stills) complain(fmt::format("{}: no board", frame.source));

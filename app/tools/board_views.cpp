@@ -19,10 +19,12 @@ tl::expected<BoardViews::FrameKind, std::string> BoardViews::add(const vision::F
   ++frames_;
   newest_.clear();
   if (!coverage_) coverage_.emplace(frame.width, frame.height);
-  if (frame.width != coverage_->width || frame.height != coverage_->height) return FrameKind::other_size;
+  const bool other_size = frame.width != coverage_->width || frame.height != coverage_->height;
+  if (other_size && !views_.empty()) return FrameKind::other_size;
   auto corners = vision::find_board(frame, board_);
   if (!corners) return tl::unexpected(corners.error());
   if (corners->empty()) return FrameKind::no_board;
+  if (other_size) coverage_.emplace(frame.width, frame.height);  // until now no picture showed the board
   newest_ = *corners;
   vision::BoardView view{frame.source, std::move(*corners)};
   if (step_ > 0.0 && !vision::is_new_view(views_, view, step_ * frame.width)) return FrameKind::known;

@@ -24,7 +24,7 @@ class BoardViews {
     view,        ///< kept
     known,       ///< the board as in an earlier view
     no_board,    ///< none is seen
-    other_size,  ///< not of the first frame's size: skipped
+    other_size,  ///< not of the size of the first frame with a board: skipped
   };
   static constexpr bool is_kept(FrameKind kind) noexcept {
     switch (kind) {

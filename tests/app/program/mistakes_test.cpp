@@ -428,6 +428,24 @@ TEST_F(Mistakes, TooFewPicturesOfABoardAreCounted) {
   EXPECT_THAT(said, HasSubstr("(pictures looked at: 1)"));
 }
 
+/// The first picture may be of anything, such as a small one that another program has left there.
+TEST_F(Mistakes, TheFirstPictureOfTheBoardSaysHowLargePicturesAre) {
+  std::filesystem::create_directories(folder_ / "pictures");
+  write("pictures/a.pgm", "P5 64 64 255\n" + std::string(64 * 64, 'x'));
+  std::string board;
+  for (int v = 0; v < 480; ++v)
+    for (int u = 0; u < 640; ++u) {
+      const bool inside = u >= 80 && u < 560 && v >= 80 && v < 400;  // 12 x 8 squares of 40 px
+      board += inside && (u / 40 + v / 40) % 2 == 0 ? '\x10' : '\xf0';
+    }
+  write("pictures/b.pgm", "P5 640 480 255\n" + board);
+  write("pictures/c.pgm", "P5 64 64 255\n" + std::string(64 * 64, 'x'));
+  EXPECT_EQ(shell("$skein calibrate intrinsics images:pictures --board chessboard --out cal.toml"), 3);
+  EXPECT_THAT(said, HasSubstr("a.pgm: no board"));
+  EXPECT_THAT(said, HasSubstr("skipped c.pgm: 64x64 px, the first picture of the board has 640x480"));
+  EXPECT_THAT(said, HasSubstr("found the board in 1 view"));
+}
+
 TEST_F(Mistakes, SheetsAreNotOverwritten) {
   EXPECT_EQ(shell("$skein tags 1-4 --out t.svg"), 0) << said;
   EXPECT_EQ(shell("echo mine > t.svg; $skein tags 1-4 --out t.svg"), 2);
