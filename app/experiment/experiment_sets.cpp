@@ -9,6 +9,7 @@
 
 #include "app/experiment/toml_places.h"
 #include "app/experiment/toml_rewrite.h"
+#include "app/experiment/toml_table.h"
 
 namespace skein::app {
 namespace {
@@ -25,11 +26,11 @@ toml::table parsed(const std::string& set, const std::string& origin) {
   const std::string key = set.substr(0, equals), value = set.substr(equals + 1);
   if (value.find('\n') == std::string::npos) {
     try {
-      return toml::parse(key + " = " + value, origin);
+      return parse_bounded(key + " = " + value, origin);
     } catch (const toml::parse_error&) {
     }
   }
-  return toml::parse(key + " = " + toml_string(value), origin);
+  return parse_bounded(key + " = " + toml_string(value), origin);
 }
 
 /// Moves everything of `from` into `into`; an error says what cannot be.

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "app/experiment/toml_table.h"
+
 namespace skein::app {
 
 std::string toml_string(std::string_view text) {
@@ -22,7 +24,7 @@ std::string toml_string(std::string_view text) {
 
 std::optional<toml::table> parsed_toml(std::string_view text) {
   try {
-    return toml::parse(text);
+    return parse_bounded(text, {});
   } catch (const toml::parse_error&) {
     return std::nullopt;
   }

@@ -26,6 +26,20 @@ const toml::node* child(const toml::node& parent, std::string_view key) {
 
 }  // namespace
 
+toml::table parse_bounded(std::string_view text, const std::string& file) {
+  constexpr int most = 1000;  // dots between signs that no key has, except in quotes
+  toml::source_position place{1, 0};
+  int dots = 0;
+  for (const char c : text) {
+    ++place.column;
+    if (c == '.' && ++dots > most)
+      throw toml::parse_error("found a key of more than 1000 parts, allowed: a key of this file", place);
+    if (std::string_view("\n=,#[]{}").find(c) != std::string_view::npos) dots = 0;
+    if (c == '\n') ++place.line, place.column = 0;
+  }
+  return toml::parse(text, file);
+}
+
 tl::expected<toml::table, std::vector<Problem>> parse_toml(std::string_view text, const std::string& file) {
   if (text.starts_with("# skein "))
     return tl::unexpected(std::vector<Problem>{
@@ -33,7 +47,7 @@ tl::expected<toml::table, std::vector<Problem>> parse_toml(std::string_view text
   if (text.find('\0') != std::string_view::npos)
     return tl::unexpected(std::vector<Problem>{{file, 0, 0, "found bytes that are no text, allowed: a text in TOML"}});
   try {
-    return toml::parse(text, file);
+    return parse_bounded(text, file);
   } catch (const toml::parse_error& error) {
     const toml::source_position place = error.source().begin;
     return tl::unexpected(std::vector<Problem>{

@@ -266,6 +266,19 @@ TEST(ExperimentFile, AKeyThatIsNotThereIsNamedWithoutAPlace) {
                           "every pose is too old when it arrives and every robot is lost"));
 }
 
+/// Each part would cost the parser stack, and in the end the program.
+TEST(ExperimentFile, AKeyOfVeryManyPartsIsRefused) {
+  std::string key = "a";
+  for (int k = 0; k < 100000; ++k) key += ".a";
+  EXPECT_THAT(messages("rate = 25\n[" + key + "]\n"),
+              ElementsAre(StartsWith("e.toml:2:2003: found a key of more than 1000 parts, allowed: ")));
+  EXPECT_THAT(messages(key + " = 1\n"), ElementsAre(HasSubstr("found a key of more than 1000 parts")));
+  EXPECT_THAT(messages("", {key + "=1"}), ElementsAre(HasSubstr("found a key of more than 1000 parts")));
+  std::string numbers = "0.5";
+  for (int k = 0; k < 2000; ++k) numbers += ", 0.5";
+  EXPECT_THAT(messages("rate = [" + numbers + "]\n"), ElementsAre(HasSubstr("rate: found an array of 2001, ")));
+}
+
 TEST(ExperimentFile, SaysEverythingAtOnceInTheOrderOfTheFile) {
   const std::vector<std::string> said =
       messages("[shield]\ngamma = 0\n[arena]\nheight = 0\nwide = 1\n[expect]\ncollisions = -1", {"rate=0"});
