@@ -12,6 +12,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 
 #include "app/cli/candidates.h"
 #include "app/cli/command_line_robots.h"
@@ -62,6 +63,8 @@ bool ends_with_its_starter() {
   ::unsetenv("SKEIN_WHILE_OPEN");  // not for those that it starts
   return good;
 }
+
+constexpr double reader_patience = 60.0;  // of a pager, which may take its time [s]
 
 /// What all commands that run or check an experiment have in common.
 struct ExperimentOptions {
@@ -188,7 +191,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   check_command.add_flag_callback(
       "--schema",
       [] {
-        fmt::print("{}", experiment_schema());
+        print_out(experiment_schema(), reader_patience);
         throw CLI::Success();
       },
       "print a JSON schema of experiment files instead, for editors that complete and check TOML");
@@ -367,7 +370,11 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return program.exit(error) == 0 ? done : wrong_input;  // --help and --version end here as well
+    std::ostringstream help, mistake;
+    const int status = program.exit(error, help, mistake);  // --help and --version end here as well
+    print_out(help.str(), reader_patience);
+    print_error(mistake.str());
+    return status == 0 ? done : wrong_input;
   }
   if (const auto mistake = misplaced(program)) {
     print_error(shown(*mistake) + "\n");

@@ -2,6 +2,7 @@
 
 #include <cstring>
 #include <exception>
+#include <new>
 #include <string>
 
 #include "app/run/output.h"
@@ -17,6 +18,8 @@ int exit_status_of(const std::function<int()>& program) noexcept {
     if (error == 0) return status;
     complain(std::string("stdout: cannot be written: ") + std::strerror(error));
     return status == done ? static_cast<int>(device_failed) : status;
+  } catch (const std::bad_alloc&) {
+    complain("out of memory");
   } catch (const std::exception& error) {
     complain(error.what());
   } catch (...) {
