@@ -19,6 +19,7 @@
 #include "app/experiment/text_file.h"
 #include "app/guard/safety_net.h"
 #include "app/record/csv_file.h"
+#include "app/record/gnuplot.h"
 #include "app/record/report.h"
 #include "app/record/statistics.h"
 #include "app/run/exit_status.h"
@@ -114,12 +115,18 @@ int run(const RunRequest& request) {
     complain(path + ": is a file that the run is read from, allowed: another file");
     return true;
   };
-  for (const std::string& film : film_paths(*experiment, request.video)) {
+  for (const std::string& film :
+       request.video.empty() ? std::vector<std::string>() : film_paths(*experiment, request.video)) {
     if (is_input(film)) return wrong_input;
-    if (request.force || request.video.empty() || !std::filesystem::is_regular_file(film, ignored)) continue;
-    complain(fmt::format("{}: already exists, and no run is overwritten; use the free name {}, or --force", film,
-                         free_name(request.video)));
-    return wrong_input;
+    if (!request.force && std::filesystem::is_regular_file(film, ignored)) {
+      complain(fmt::format("{}: already exists, and no run is overwritten; use the free name {}, or --force", film,
+                           free_name(request.video)));
+      return wrong_input;
+    }
+    if (const auto possible = check_can_write(film); !possible) {
+      complain(possible.error());
+      return wrong_input;
+    }
   }
   const auto record_to = [&](const std::string& path) {
     if (is_input(path)) return false;

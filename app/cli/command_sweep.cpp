@@ -3,11 +3,9 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
+#include <sstream>
 #include <thread>
 
 #include "app/cli/command_line_studies.h"
@@ -73,16 +71,7 @@ tl::expected<void, std::string> check_table(const std::string& path, const Study
   for (const std::string& input : {study.file, study.experiment})
     if (same_file(path, input))
       return tl::unexpected(fmt::format("{}: is a file that the study is read from, allowed: another name", path));
-  std::error_code unknown;
-  const std::filesystem::file_status there = std::filesystem::status(path, unknown);
-  const bool is_new = !std::filesystem::exists(there);
-  // Whoever reads from a FIFO would take the end of a test for the end of the table.
-  if (!is_new && !std::filesystem::is_regular_file(there) && !std::filesystem::is_directory(there)) return {};
-  errno = 0;
-  if (!std::ofstream(path, std::ios::binary | std::ios::app))
-    return tl::unexpected(fmt::format("{}: cannot be written: {}", path, std::strerror(errno)));
-  if (is_new) std::filesystem::remove(std::filesystem::canonical(path, unknown), unknown);  // a link to it stays
-  return {};
+  return check_can_write(path);
 }
 
 unsigned usable_cores() {

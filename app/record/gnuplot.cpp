@@ -110,4 +110,17 @@ Done write_file(const std::string& path, std::string_view text) {
   return tl::unexpected(fmt::format("{}: cannot be written: {}", path, std::strerror(errno)));
 }
 
+Done check_can_write(const std::string& path) {
+  std::error_code unknown;
+  const fs::file_status there = fs::status(path, unknown);
+  const bool is_new = !fs::exists(there);
+  // Whoever reads from a FIFO would take the end of a test for the end of the file.
+  if (!is_new && !fs::is_regular_file(there) && !fs::is_directory(there)) return {};
+  errno = 0;
+  if (!std::ofstream(path, std::ios::binary | std::ios::app))
+    return tl::unexpected(fmt::format("{}: cannot be written: {}", path, std::strerror(errno)));
+  if (is_new) fs::remove(fs::canonical(path, unknown), unknown);  // a link to it stays
+  return {};
+}
+
 }  // namespace skein::app

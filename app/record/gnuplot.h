@@ -18,4 +18,7 @@ tl::expected<void, std::string> draw_figure(const std::string& directory, const 
 /// Writes a whole file, or leaves what was there; the error names it.
 tl::expected<void, std::string> write_file(const std::string& path, std::string_view text);
 
+/// Whether a file could be written there; what is there stays as it is.
+tl::expected<void, std::string> check_can_write(const std::string& path);
+
 }  // namespace skein::app

@@ -537,6 +537,16 @@ TEST_F(Mistakes, ARecordWithoutRowsIsNotFoundToBeRepeated) {
   EXPECT_THAT(said, HasSubstr("run.csv: it has no rows"));
 }
 
+TEST_F(Mistakes, WhereAFilmGoesIsCheckedBeforeARobotIsReached) {
+  std::filesystem::copy_file(skein::test::in_source("resources/cameras/overhead.toml"), folder_ / "cal.toml");
+  write(
+      "lab.toml",
+      "[camera]\nsource = \"v4l2:/dev/nowhere\"\ncalibration = \"cal.toml\"\n[[robot]]\nlink = \"tcp:127.0.0.1:1\"\n");
+  EXPECT_EQ(shell("$skein run lab.toml --video nowhere/run.mkv"), 2);
+  EXPECT_THAT(said, AllOf(HasSubstr("nowhere/run.mkv: cannot be written: No such file or directory"),
+                          Not(HasSubstr("127.0.0.1"))));
+}
+
 /// A name as long as may be leaves no room for the draft beside it.
 TEST_F(Mistakes, WhereMeasurementsAreSavedIsCheckedBeforeTheyAreMade) {
   const std::string full = std::string(250, 'l') + ".toml";
