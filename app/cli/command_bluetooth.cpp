@@ -17,8 +17,8 @@ bool not_interrupted() {
 }
 
 void print(const comms::BluetoothRobot& robot) {
-  fmt::print("# {}, {}\n{}\n", shown(robot.name), robot.paired ? "paired" : "not paired",
-             shown_lines(as_toml(known_robot(robot))));
+  print_out(fmt::format("# {}, {}\n{}\n", shown(robot.name), robot.paired ? "paired" : "not paired",
+                        shown_lines(as_toml(known_robot(robot)))));
 }
 
 /// Adds the robots to the file of robots, and says so.
@@ -32,7 +32,7 @@ int save(const std::string& file, const std::vector<comms::BluetoothRobot>& foun
     print_error(added.error() + "\n");
     return wrong_input;
   }
-  fmt::print("# {}: {} robots added, {} already present\n", shown(path), *added, found.size() - *added);
+  print_out(fmt::format("# {}: {} robots added, {} already present\n", shown(path), *added, found.size() - *added));
   return done;
 }
 

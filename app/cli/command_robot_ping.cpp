@@ -15,13 +15,15 @@ namespace {
 
 void print(const RobotPing::Robot& robot, double seconds) {
   const comms::LinkStatus& status = robot.status;
-  fmt::print("{}{}\n", shown(robot.name), robot.adapter.empty() ? "" : fmt::format(" over {}", robot.adapter));
-  fmt::print("  questions answered: {} in {:g} s\n", status.exchanges, seconds);
-  fmt::print("  round_trip_ms: {:.1f} median, {:.1f} p99, {:.1f} p99.9\n", 1e3 * robot.times.quantile_since_start(0.5),
-             1e3 * robot.times.quantile_since_start(0.99), 1e3 * robot.times.quantile_since_start(0.999));
-  fmt::print("  lost: {}, connections lost: {}, wrong speeds: {}\n", status.timeouts, status.reconnects,
-             status.wrong_speeds);
-  for (const std::string& line : histogram(robot.times)) fmt::print("  {}\n", line);
+  print_out(
+      fmt::format("{}{}\n", shown(robot.name), robot.adapter.empty() ? "" : fmt::format(" over {}", robot.adapter)));
+  print_out(fmt::format("  questions answered: {} in {:g} s\n", status.exchanges, seconds));
+  print_out(fmt::format("  round_trip_ms: {:.1f} median, {:.1f} p99, {:.1f} p99.9\n",
+                        1e3 * robot.times.quantile_since_start(0.5), 1e3 * robot.times.quantile_since_start(0.99),
+                        1e3 * robot.times.quantile_since_start(0.999)));
+  print_out(fmt::format("  lost: {}, connections lost: {}, wrong speeds: {}\n", status.timeouts, status.reconnects,
+                        status.wrong_speeds));
+  for (const std::string& line : histogram(robot.times)) print_out(fmt::format("  {}\n", line));
 }
 
 }  // namespace
@@ -56,12 +58,13 @@ int ping_robots(const RobotsRequest& request) {
     good = good && robot.stop_acknowledged && robot.answered();
   }
   for (const auto& [name, times] : adapters) {
-    fmt::print("all over {}: {:.1f} ms median, {:.1f} p99.9\n", name, 1e3 * times.quantile_since_start(0.5),
-               1e3 * times.quantile_since_start(0.999));
-    for (const std::string& line : histogram(times)) fmt::print("  {}\n", line);
+    print_out(fmt::format("all over {}: {:.1f} ms median, {:.1f} p99.9\n", name, 1e3 * times.quantile_since_start(0.5),
+                          1e3 * times.quantile_since_start(0.999)));
+    for (const std::string& line : histogram(times)) print_out(fmt::format("  {}\n", line));
   }
   const LinksSpec links = proposed_links(worst, experiment.controller.v_max, experiment.period());
-  fmt::print("\n[links]\nblind_distance = {:g}\nreply_timeout = {:g}\n", links.blind_distance, links.reply_timeout);
+  print_out(fmt::format("\n[links]\nblind_distance = {:g}\nreply_timeout = {:g}\n", links.blind_distance,
+                        links.reply_timeout));
   const int saved =
       request.save && good
           ? save_keys(request.words.front(), {{"links.blind_distance", fmt::format("{:g}", links.blind_distance)},

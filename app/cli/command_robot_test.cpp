@@ -19,18 +19,19 @@ namespace {
 void print(const RobotTestResult& result, const Experiment& experiment, std::size_t robot) {
   const auto said = [](const std::string& text) { return text.empty() ? "not said" : text; };
   const std::string& address = experiment.robots[robot].address;
-  fmt::print("{}: {}\n", shown(robot_name(experiment, robot)), address.empty() ? "emulated" : shown(address));
-  fmt::print("version: {}\nbattery: {}\nleft_steps: {}\nright_steps: {}\n", shown(said(result.status.version)),
-             shown(result.status.battery_text), result.left_steps, result.right_steps);
-  if (result.tag >= 0) fmt::print("tag: {}\n", result.tag);
-  if (result.wheel_diameter) fmt::print("wheel_diameter: {:.5f}\n", *result.wheel_diameter);
-  if (result.track) fmt::print("track: {:.5f}\n", *result.track);
+  print_out(
+      fmt::format("{}: {}\n", shown(robot_name(experiment, robot)), address.empty() ? "emulated" : shown(address)));
+  print_out(fmt::format("version: {}\nbattery: {}\nleft_steps: {}\nright_steps: {}\n",
+                        shown(said(result.status.version)), shown(result.status.battery_text), result.left_steps,
+                        result.right_steps));
+  if (result.tag >= 0) print_out(fmt::format("tag: {}\n", result.tag));
+  if (result.wheel_diameter) print_out(fmt::format("wheel_diameter: {:.5f}\n", *result.wheel_diameter));
+  if (result.track) print_out(fmt::format("track: {:.5f}\n", *result.track));
   if (result.watchdog)
-    fmt::print("watchdog: {}\n", *result.watchdog == 0.0
-                                     ? "none: it drives on when nothing is sent to it"
-                                     : fmt::format("{:.2f} s: it stopped by itself", *result.watchdog));
-  fmt::print("faults: {}\n\n", result.faults.size());
-  std::fflush(stdout);
+    print_out(fmt::format("watchdog: {}\n", *result.watchdog == 0.0
+                                                ? "none: it drives on when nothing is sent to it"
+                                                : fmt::format("{:.2f} s: it stopped by itself", *result.watchdog)));
+  print_out(fmt::format("faults: {}\n\n", result.faults.size()));
   for (const std::string& fault : result.faults) complain(robot_name(experiment, robot) + ": " + fault);
   for (const std::string& note : result.notes) complain(robot_name(experiment, robot) + ": " + note);
 }

@@ -55,7 +55,7 @@ int save_keys(const std::string& file, const KeyValues& values) {
     complain(saved.error());
     return wrong_input;
   }
-  fmt::print("# saved in {}\n", shown(file));
+  print_out(fmt::format("# saved in {}\n", shown(file)));
   return done;
 }
 
@@ -66,7 +66,7 @@ int save_found(const std::string& file, const std::vector<FoundRobot>& robots) {
     return wrong_input;
   }
   for (const std::string& problem : saved->problems) complain(problem);
-  if (saved->changed) fmt::print("# saved in {}\n", shown(file));
+  if (saved->changed) print_out(fmt::format("# saved in {}\n", shown(file)));
   return done;
 }
 

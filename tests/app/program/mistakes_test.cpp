@@ -547,6 +547,15 @@ TEST_F(Mistakes, WhereAFilmGoesIsCheckedBeforeARobotIsReached) {
                           Not(HasSubstr("127.0.0.1"))));
 }
 
+TEST_F(Mistakes, WhatWasMeasuredIsSavedAlsoWhereStdoutIsFull) {
+  std::string lab = "[robot_defaults]\nlink = \"loopback\"\n[camera]\nsource = \"synthetic\"\n";
+  for (int robot = 0; robot < 16; ++robot) lab += "[[robot]]\n";  // more than the C library's buffer takes
+  write("lab.toml", lab);
+  EXPECT_EQ(shell("$skein robots ping lab.toml --save --minutes 0.05 > /dev/full"), 3);
+  EXPECT_EQ(said, "skein: stdout: cannot be written: No space left on device\n");
+  EXPECT_THAT(read("lab.toml"), HasSubstr("blind_distance = "));
+}
+
 /// A name as long as may be leaves no room for the draft beside it.
 TEST_F(Mistakes, WhereMeasurementsAreSavedIsCheckedBeforeTheyAreMade) {
   const std::string full = std::string(250, 'l') + ".toml";
