@@ -561,6 +561,11 @@ TEST_F(Operator, HoldsOneRobotAndLetsItGo) {
   ASSERT_TRUE(eventually(
       [&] { return table->model()->index(2, RobotsModel::mode).data().toString() == QStringLiteral("held"); }));
   ASSERT_TRUE(eventually([&] { return hold->text().startsWith(QStringLiteral("Let")); }));
+  const ModeStyle seen = arena().scene().style_of(2, colours(window.palette()));
+  EXPECT_EQ(seen.name, QStringLiteral("held")) << "in the arena as in the table";
+  QHelpEvent tip(QEvent::ToolTip, robot(2), arena().mapToGlobal(robot(2)));
+  QCoreApplication::sendEvent(&arena(), &tip);
+  EXPECT_FALSE(QToolTip::text().contains(QStringLiteral("stopped"))) << QToolTip::text().toStdString();
   QTest::mouseClick(hold, Qt::LeftButton);
   ASSERT_TRUE(eventually([&] { return record().robots[2].wheels != core::WheelSpeeds{}; }));
   const QStringList events = saved_events();

@@ -134,16 +134,16 @@ void ArenaPainter::scale_bar(const QRectF& widget) {
 /// From the right; above the scale where both have no room side by side.
 void ArenaPainter::legend(const QRectF& widget) {
   if (!scene_.record) return;
-  std::map<std::uint8_t, ModeStyle> present;  // only what can be seen now needs words
+  std::map<std::pair<std::uint8_t, QString>, ModeStyle> present;  // only what can be seen now needs words
   for (std::size_t i = 0; i < scene_.record->robots.size(); ++i) {
     const ModeStyle style = scene_.style_of(i, c_);
-    if (!style.symbol.isEmpty()) present.emplace(style.mode, style);
+    if (!style.symbol.isEmpty()) present.emplace(std::pair(style.mode, style.name), style);
   }
   const QFontMetricsF metrics(p_.font());
   const QRectF inside = map_.sheet() & widget;
   const double rightmost = inside.right() - 20;
   double right = rightmost, middle = inside.bottom() - 18 - metrics.height() / 2;
-  for (const auto& [mode, style] : present) {
+  for (const auto& [key, style] : present) {
     const double width = metrics.horizontalAdvance(style.name);
     const auto card = [&] {
       return QRectF(right - width - 30, middle - metrics.height() / 2 - 4, width + 36, metrics.height() + 8);

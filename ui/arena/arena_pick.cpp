@@ -138,7 +138,7 @@ QString ArenaView::tip_of(int robot) const {
          tr("<b>Robot %1</b> (tag %2): %3: %4<br>x %5 m, y %6 m, heading %7°<br>%8")
              .arg(robot + 1)
              .arg(scene_.experiment.robots[i].tag)
-             .arg(mode_text(scene_.record->robots[i].mode),
+             .arg(mode_text(scene_.record->robots[i].mode, scene_.is_held(i)),
                   why(*scene_.record, i, scene_.circumstances).toHtmlEscaped())
              .arg(fixed(pose.x, 3), fixed(pose.y, 3), fixed(pose.theta * 180.0 / core::pi, 0))
              .arg(can_do(movable(robot)

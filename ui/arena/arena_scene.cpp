@@ -64,7 +64,7 @@ bool ArenaScene::is_out_of_group(std::size_t i) const {
 
 ModeStyle ArenaScene::style_of(std::size_t i, const Colours& colours) const {
   const bool unknown = std::find(may_be_driving.begin(), may_be_driving.end(), i) != may_be_driving.end();
-  return unknown ? may_be_driving_style(colours) : mode_style(record->robots[i].mode, colours);
+  return unknown ? may_be_driving_style(colours) : mode_style(record->robots[i].mode, colours, is_held(i));
 }
 
 QPointF ArenaScene::cross_at() const {

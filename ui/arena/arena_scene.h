@@ -111,6 +111,7 @@ struct ArenaScene {
   std::vector<QPointF> coupling_line(std::size_t i, std::size_t j, double scale) const;
   /// Robot i is not coupled to any robot now: it is lost, or it is held while the others drive.
   bool is_out_of_group(std::size_t i) const;
+  bool is_held(std::size_t i) const { return circumstances.held.contains(static_cast<int>(i)); }
   /// How robot i looks now.
   ModeStyle style_of(std::size_t i, const Colours& colours) const;
   void forget_gesture() { ghost.reset(), kick.reset(), ghost_obstacle.reset(); }

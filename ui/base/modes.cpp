@@ -5,11 +5,19 @@
 #include "ui/base/tr.h"
 
 namespace skein::ui {
+namespace {
 
-ModeStyle mode_style(std::uint8_t mode, const Colours& c) {
+QString standing(bool held) {
+  return held ? tr("held") : tr("stopped");
+}
+
+}  // namespace
+
+ModeStyle mode_style(std::uint8_t mode, const Colours& c, bool held) {
   if (mode & app::lost) return {app::lost, QStringLiteral("?"), tr("lost"), c.alarm};
   if (mode & app::late) return {app::late, QStringLiteral("…"), tr("late"), c.limited};
-  if (mode & app::stopped) return {app::stopped, QStringLiteral("■"), tr("stopped"), c.standing};
+  if (mode & app::stopped)
+    return {app::stopped, held ? QStringLiteral("H") : QStringLiteral("■"), standing(held), c.standing};
   if (mode & app::shielded) return {app::shielded, QStringLiteral("S"), tr("shielded"), c.shielded};
   if (mode & app::avoiding) return {app::avoiding, QStringLiteral("A"), tr("avoiding"), c.avoiding};
   if (mode & app::limited) return {app::limited, QStringLiteral("L"), tr("limited"), c.limited};
@@ -21,10 +29,10 @@ ModeStyle may_be_driving_style(const Colours& c) {
   return {0, QStringLiteral("!"), tr("may be driving"), c.alarm};
 }
 
-QString mode_text(std::uint8_t mode) {
+QString mode_text(std::uint8_t mode, bool held) {
   QStringList names;
   if (mode & app::lost) names << tr("lost");
-  if (mode & app::stopped) names << tr("stopped");
+  if (mode & app::stopped) names << standing(held);
   if (mode & app::staging) names << tr("staging");
   if (mode & app::tracking) names << tr("tracking");
   if (mode & app::avoiding) names << tr("avoiding");

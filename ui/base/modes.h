@@ -18,12 +18,12 @@ struct ModeStyle {
   QColor colour;
 };
 
-/// The style of the most severe of a robot's modes.
-ModeStyle mode_style(std::uint8_t mode, const Colours& colours);
+/// The style of the most severe of a robot's modes. `held`: it stands alone, until the operator lets it go.
+ModeStyle mode_style(std::uint8_t mode, const Colours& colours, bool held = false);
 /// The style of a robot that was commanded to stand and has not acknowledged it: whatever its mode, it may be driving.
 ModeStyle may_be_driving_style(const Colours& colours);
 /// All that apply, joined by "+".
-QString mode_text(std::uint8_t mode);
+QString mode_text(std::uint8_t mode, bool held = false);
 
 /// A pose that is older than this is predicted from the last measurement, not measured: half the time after which a
 /// robot counts as lost. [s]

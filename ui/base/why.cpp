@@ -61,7 +61,7 @@ QString unconfirmed(const app::LinkInput& link) {
 }
 
 QString why_out(const app::RobotRecord& robot, int number, const Circumstances& now) {
-  if (now.held.contains(number)) return tr("held, out of the group, until it is released");
+  if (now.held.contains(number)) return tr("stands, held out of the group until it is released");
   if (robot.is(app::late)) return tr("stands: %1").arg(unconfirmed(robot.link.input));
   if (now.disobedient.contains(number)) return tr("commanded to stand: it did not drive as it was commanded");
   if (!std::isfinite(robot.law.v) || !std::isfinite(robot.law.omega))

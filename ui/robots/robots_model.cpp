@@ -125,8 +125,7 @@ QString RobotsModel::text(std::size_t i, int column) const {
   if (i >= robots_.size()) return nothing();
   const app::RobotRecord& record = robots_[i];
   if (column == mode && may_be_driving(i)) return may_be_driving_style(colours_).name;
-  if (column == mode)
-    return known_.circumstances.held.contains(static_cast<int>(i)) ? tr("held") : mode_text(record.mode);
+  if (column == mode) return mode_text(record.mode, known_.circumstances.held.contains(static_cast<int>(i)));
   if (column == found) return found_text(record);
   if (column == tag_age) {
     if (!(record.pose_age < 1e6)) return nothing();
