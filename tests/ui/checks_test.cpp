@@ -21,6 +21,7 @@
 #include "ui/base/picture.h"
 #include "ui/calibration/floor_page.h"
 #include "ui/editor/experiment_editor.h"
+#include "ui/status/check_list.h"
 #include "vision/synthetic/synthetic_camera.h"
 
 namespace skein::ui::test {
@@ -105,6 +106,40 @@ TEST_F(Checks, LeaveTheArenaItsRoomInASmallWindow) {
   find<QAction>("view_checks")->trigger();
   EXPECT_TRUE(eventually([&] { return find("check_gains")->isVisible(); })) << "whoever asks for the list gets all";
   EXPECT_FALSE(find("checks_folded")->isVisible());
+}
+
+/// What fails stands at the end of the list, and reasons above it take several lines.
+TEST_F(Checks, ShowWhatFailsBelowLongReasons) {
+  QWidget place;
+  auto* list = new CheckList(&place);
+  auto* layout = new QVBoxLayout(&place);
+  layout->setContentsMargins(0, 0, 0, 0);
+  layout->addWidget(list);
+  auto* arena = new QWidget;
+  arena->setMinimumHeight(150);
+  layout->addWidget(arena, 1);
+  std::vector<app::Check> checks;
+  for (const auto what :
+       {app::Check::What::camera, app::Check::What::settings, app::Check::What::tags, app::Check::What::links,
+        app::Check::What::batteries, app::Check::What::gains, app::Check::What::reference, app::Check::What::places}) {
+    app::Check check{};
+    check.what = what;
+    check.state = app::Check::State::holds;
+    for (int word = 0; word < 25; ++word) check.reason += "reason ";
+    checks.push_back(check);
+  }
+  checks.back().state = app::Check::State::fails;
+  checks.back().button = true;
+  place.resize(480, 460);
+  place.show();
+  ASSERT_TRUE(QTest::qWaitForWindowExposed(&place));
+  for (const int width : {480, 700, 420}) {
+    place.resize(width, 460);
+    list->show_checks(checks);
+    auto* failing = list->findChild<QLabel*>(QStringLiteral("check_places"));
+    EXPECT_TRUE(eventually([&] { return failing->visibleRegion() == QRegion(failing->rect()); })) << width;
+    EXPECT_GE(arena->height(), 190) << width;
+  }
 }
 
 TEST_F(Checks, SayWhatStartAnywayOverrules) {

@@ -165,10 +165,19 @@ void CheckList::show_checks(const std::vector<app::Check>& checks, bool every_li
   dress();
 }
 
-/// Whether the list with every line would take half of the room that it has with the arena.
+/// Whether the list with every line would take half of the room that it has with the arena. Reasons wrap.
 bool CheckList::is_crowded() const {
-  const int line = anyway_->sizeHint().height() + static_cast<QGridLayout*>(list_->layout())->verticalSpacing();
-  return parentWidget() && 2 * (static_cast<int>(entries.size()) + 1) * line > parentWidget()->height();
+  const auto* grid = static_cast<QGridLayout*>(list_->layout());
+  const int least = anyway_->sizeHint().height();
+  int height = least + grid->verticalSpacing();  // the button below
+  int beside = 0;
+  for (const Row& row : rows_) beside = std::max(beside, row.title->sizeHint().width() + row.mend->sizeHint().width());
+  const QMargins around = grid->contentsMargins();
+  const int width = this->width() - beside - rows_.front().mark->minimumWidth() - 3 * grid->horizontalSpacing() -
+                    around.left() - around.right();
+  for (const Row& row : rows_)
+    height += std::max(least, row.reason->heightForWidth(std::max(1, width))) + grid->verticalSpacing();
+  return parentWidget() && 2 * height > parentWidget()->height();
 }
 
 /// A line that holds, in little room.
@@ -256,6 +265,10 @@ void CheckList::show_pictures(const std::vector<app::UnseenTag>& tags) {
 
 void CheckList::dress() {
   const Colours c = colours(palette());
+  for (const app::Check& check : checks_)
+    if (QLabel* reason = rows_[static_cast<std::size_t>(check.what)].reason;
+        reason->text() != QString::fromStdString(check.reason))
+      reason->setText(QString::fromStdString(check.reason));
   crowded_ = is_crowded();
   const bool all_lines = every_line_ || app::all_hold(checks_) || !crowded_;
   int folded = 0;
@@ -279,10 +292,7 @@ void CheckList::dress() {
     const QString reason = QString::fromStdString(check.reason);
     const QString told = QStringLiteral("%1, %2: %3").arg(row.title->text(), verdict, reason);
     if (row.reason->accessibleName() != told) row.reason->setAccessibleName(told);
-    if (row.reason->text() != reason) {
-      row.reason->setText(reason);
-      row.reason->setToolTip(reason);
-    }
+    if (row.reason->toolTip() != reason) row.reason->setToolTip(reason);
     row.mend->setVisible(fails && check.button);
     const bool is_folded = !all_lines && check.state == State::holds;
     show_line(row, !is_folded);
