@@ -201,6 +201,15 @@ TEST_P(Crowd, HasItsNumbersBehindShortCurves) {
   for (const auto& one : seen)
     EXPECT_NEAR(value->coordToPixel(panel.history().value(static_cast<std::size_t>(one.number - 1), end)),
                 one.place.center().y(), 2.0);
+  // Side by side from the curves' ends on: between an end and its number there are only other numbers.
+  const double ends = panel.view().axisRect(0)->axis(QCPAxis::atBottom)->coordToPixel(end);
+  for (const auto& one : seen) {
+    double from = ends, to = one.place.left();
+    for (const auto& other : seen)
+      if (other.place.left() < to && other.place.top() < one.place.bottom() && other.place.bottom() > one.place.top())
+        from = std::max(from, other.place.right());
+    EXPECT_LE(to - from, 12.0) << one.number << " stands where no curve is";
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, Crowd, ::testing::Values(20U, 64U));

@@ -22,6 +22,18 @@ const QStaticText& CurveNumbers::text_of(int number, const QFont& font) {
   return text;
 }
 
+/// From the end of the curve on to where no other number is.
+void CurveNumbers::move_behind(QRectF* place, double end) const {
+  constexpr double gap = 3.0;
+  place->moveLeft(end + gap);
+  const auto in_the_way = [&] {
+    return std::find_if(placed_.begin(), placed_.end(),
+                        [&](const Placed& other) { return other.place.intersects(*place); });
+  };
+  for (auto other = in_the_way(); other != placed_.end(); other = in_the_way())
+    place->moveLeft(other->place.right() + gap);
+}
+
 void CurveNumbers::draw(QCPPainter* painter) {
   placed_.clear();
   const QCPAxis* time = rect_->axis(QCPAxis::atBottom);
@@ -34,6 +46,7 @@ void CurveNumbers::draw(QCPPainter* painter) {
     const QStaticText& text = text_of(one.number, font);
     QRectF place(QPointF(), text.size());
     place.moveCenter({time->coordToPixel(one.t), value->coordToPixel(one.value)});
+    if (one.behind) move_behind(&place, time->coordToPixel(one.t));
     if (!QRectF(rect_->rect()).contains(place.center())) continue;
     const bool hidden =
         std::any_of(placed_.begin(), placed_.end(), [&](const Placed& other) { return other.place.intersects(place); });

@@ -18,6 +18,7 @@ class CurveNumbers final : public QCPLayerable {
     int number = 0;
     QColor colour;
     double t = 0.0, value = 0.0;
+    bool behind = false;  ///< the end of its curve, or behind others that stand there
   };
 
   explicit CurveNumbers(QCPAxisRect* rect);
@@ -39,6 +40,7 @@ class CurveNumbers final : public QCPLayerable {
 
  private:
   const QStaticText& text_of(int number, const QFont& font);
+  void move_behind(QRectF* place, double end) const;
 
   QCPAxisRect* rect_;
   QColor ground_;

@@ -301,8 +301,8 @@ void PlotView::draw_history(const PlotHistory& history, const std::vector<const 
   }
 }
 
-/// Spread over the time that is seen of them or, as long as the time to come has more room, behind their ends at their
-/// heights; those of the selected robot stand before the others.
+/// Spread over the time that is seen of them or, as long as the time to come has more room, right behind their ends;
+/// those of the selected robot stand before the others.
 void PlotView::number_curves(const Shown& shown, const PlotHistory& history) const {
   const PlotRow& row = rows_[shown.row];
   std::vector<CurveNumbers::Number> numbers;
@@ -312,9 +312,8 @@ void PlotView::number_curves(const Shown& shown, const PlotHistory& history) con
   const auto count = static_cast<double>(row.curves.size());
   for (std::size_t c = 0; c < row.curves.size(); ++c) {
     if (!drawn(row, c)) continue;
-    const double share = (static_cast<double>(c) + 0.5) / count;
-    const double t = behind ? to + share * (time().upper - to) : from + share * (to - from);
-    numbers.push_back({static_cast<int>(c) + 1, look_of(row, c).colour, t, history.value(row.first + c, t)});
+    const double t = behind ? to : from + (static_cast<double>(c) + 0.5) / count * (to - from);
+    numbers.push_back({static_cast<int>(c) + 1, look_of(row, c).colour, t, history.value(row.first + c, t), behind});
   }
   std::stable_partition(numbers.begin(), numbers.end(), [&](const CurveNumbers::Number& one) {
     const auto of = robots_of(row.of, static_cast<std::size_t>(one.number - 1), robots_.size());
