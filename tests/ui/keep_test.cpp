@@ -2,6 +2,7 @@
 #include <QAction>
 #include <QDir>
 #include <QDockWidget>
+#include <QFileDialog>
 #include <QLabel>
 #include <QSignalSpy>
 #include <algorithm>
@@ -71,6 +72,16 @@ TEST_F(Keep, ARunThatEndsHasAFolderThatIsFoundAndVerified) {
   ASSERT_TRUE(eventually([&] { return window.windowTitle().contains(QStringLiteral("replay")); }));
   EXPECT_EQ(folders().size(), 1);
   EXPECT_TRUE(window.windowTitle().contains(QDir(folder).dirName())) << "the record of every kept run is run.csv";
+}
+
+TEST_F(Keep, RunsAreFoundAtTheSideOfEveryDialogThatOpensOne) {
+  start(seconds("duration=60"));
+  const QUrl runs = QUrl::fromLocalFile(QString::fromStdString(app::runs_directory({}).value()));
+  for (const auto& [action, name] :
+       {std::pair{"open", "open_dialog"}, {"open_recording", "open_recording_dialog"}, {"compare", "compare_dialog"}}) {
+    find<QAction>(action)->trigger();
+    EXPECT_TRUE(find<QFileDialog>(name)->sidebarUrls().contains(runs)) << name;
+  }
 }
 
 TEST_F(Keep, ARunThatAnotherOneEndsIsCompletedToo) {

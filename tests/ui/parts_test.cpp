@@ -591,6 +591,23 @@ TEST(FileDialog, BeginsInTheNearestFolderThatExists) {
   EXPECT_EQ(directory_for(folder.filePath(QStringLiteral("skein/runs"))), folder.path());
 }
 
+TEST(FileDialog, OffersFoldersAtItsSideThatExist) {
+  QTemporaryDir folder;
+  QWidget window;
+  const auto side_with = [&](const QStringList& places) {
+    QFileDialog* dialog =
+        file_dialog(&window, {QStringLiteral("Open"), QStringLiteral("test_dialog"), {}, {}, {}, places});
+    const QList<QUrl> side = dialog->sidebarUrls();
+    delete dialog;
+    return side;
+  };
+  const QUrl offered = QUrl::fromLocalFile(folder.path());
+  const QList<QUrl> bare = side_with({}), side = side_with({folder.path(), folder.filePath(QStringLiteral("none"))});
+  EXPECT_EQ(side.size(), bare.size() + 1) << "what was there stays, and what does not exist is not offered";
+  EXPECT_EQ(side.count(offered), 1);
+  EXPECT_EQ(side_with({folder.path()}).count(offered), 1) << "once more each time";
+}
+
 TEST(AlertStrip, SaysWhyARobotIsNotSeenAsLongAsItIsLost) {
   for (const core::NotSeen why : core::all_of<core::NotSeen>()) {
     AlertStrip strip;

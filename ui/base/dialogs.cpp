@@ -8,6 +8,7 @@
 #include <QScreen>
 #include <QShortcut>
 #include <QTextDocument>
+#include <QUrl>
 #include <QVBoxLayout>
 #include <QWindow>
 #include <algorithm>
@@ -50,6 +51,10 @@ QFileDialog* file_dialog(QWidget* parent, const FileQuestion& question) {
   dialog->setAttribute(Qt::WA_DeleteOnClose);
   dialog->setWindowModality(Qt::NonModal);
   close_by_key(dialog);
+  QList<QUrl> side = dialog->sidebarUrls();  // also what the operator has put there
+  for (const QString& place : question.places)
+    if (const QUrl url = QUrl::fromLocalFile(place); QFileInfo(place).isDir() && !side.contains(url)) side << url;
+  dialog->setSidebarUrls(side);
   if (question.save_as.isEmpty()) {
     dialog->setFileMode(QFileDialog::ExistingFile);
   } else {

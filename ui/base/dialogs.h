@@ -9,10 +9,11 @@ namespace skein::ui {
 
 /// What a file dialog asks for.
 struct FileQuestion {
-  QString title, name;  ///< `name`: of the dialog as an object
-  QString filter;       ///< as QFileDialog's
-  QString directory;    ///< where it begins; empty: where the program was started
-  QString save_as;      ///< to write a file: the name that is proposed; empty: a file that exists is chosen
+  QString title, name;   ///< `name`: of the dialog as an object
+  QString filter;        ///< as QFileDialog's
+  QString directory;     ///< where it begins; empty: where the program was started
+  QString save_as;       ///< to write a file: the name that is proposed; empty: a file that exists is chosen
+  QStringList places{};  ///< folders that are offered at the side, if they exist
 };
 
 /// A dialog that never blocks the window, so that STOP can be clicked beside it, and that is Qt's own, never the

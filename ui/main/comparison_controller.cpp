@@ -45,7 +45,8 @@ void ComparisonController::ask() {
                                                          QStringLiteral("compare_dialog"),
                                                          tr("Recorded runs (*.csv);;All files (*)"),
                                                          RecordingController::directory(),
-                                                         {}});
+                                                         {},
+                                                         RecordingController::places()});
   dialog->setFileMode(QFileDialog::ExistingFiles);
   connect(dialog, &QFileDialog::filesSelected, this, [this](const QStringList& files) {
     for (const QString& file : files) load(file);

@@ -10,6 +10,7 @@
 #include "ui/base/dialogs.h"
 #include "ui/base/number_text.h"
 #include "ui/base/settings.h"
+#include "ui/main/recording_controller.h"
 #include "ui/run/run_name.h"
 
 namespace skein::ui {
@@ -56,7 +57,8 @@ void FileController::ask() {
                                        QStringLiteral("open_dialog"),
                                        tr("Experiments and recorded runs (*.toml *.csv);;All files (*)"),
                                        QFileInfo(recent_files().value(0)).path(),
-                                       {}});
+                                       {},
+                                       RecordingController::places()});
   connect(dialog, &QFileDialog::fileSelected, this, &FileController::open);
   dialog->show();
 }

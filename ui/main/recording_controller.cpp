@@ -97,6 +97,12 @@ QString RecordingController::directory() {
   return settings().value(QStringLiteral("recordings"), usual).toString();
 }
 
+QStringList RecordingController::places() {
+  QStringList folders{directory()};
+  if (const auto kept = app::runs_directory({})) folders << QString::fromStdString(*kept);
+  return folders;
+}
+
 void RecordingController::record(bool on) {
   records_ = on;
   live_.set_records_next(on);

@@ -27,6 +27,8 @@ class RecordingController final : public QObject {
   /// Where the film of a run of this experiment goes.
   FilmOfRun film(const app::Experiment& experiment) const;
   static QString directory();
+  /// Folders with runs, for the side of a dialog that opens one.
+  static QStringList places();
   /// A free name for a file or a folder of this experiment; empty: there is no place for it.
   static QString path(const app::Experiment& experiment, const QString& ending);
 

@@ -18,7 +18,8 @@ void ReplayController::build_menu(QMenu* file) {
                                                            QStringLiteral("open_recording_dialog"),
                                                            tr("Recorded runs (*.csv);;All files (*)"),
                                                            RecordingController::directory(),
-                                                           {}});
+                                                           {},
+                                                           RecordingController::places()});
     connect(dialog, &QFileDialog::fileSelected, &files_, &FileController::open_recording);
     dialog->show();
   });
