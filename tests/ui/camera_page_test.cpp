@@ -114,6 +114,33 @@ TEST(CameraPicture, HidesNoTagBehindTheTextOfAnother) {
     EXPECT_EQ(shown.pixelColor(200, 100 + 20 * k), QColor(128, 128, 128)) << "a text lies over tag " << k + 1;
 }
 
+TEST(CameraPicture, WritesNoTextOverAnother) {
+  constexpr int robots = 20, pitch = 40;
+  app::CameraView view;
+  view.picture = {640, 480, std::vector<std::uint8_t>(640 * 480, 128)};
+  for (int k = 0; k < robots; ++k) {  // a crowd, in five columns
+    app::WatchedTag tag{};
+    tag.tag = k + 1;
+    tag.robot = k;
+    tag.seen = true;
+    tag.state = app::WatchedTag::State::taken;
+    tag.edge_px = 16;
+    tag.edge = 0.0441;
+    const double u = 240.0 + pitch * (k % 5), v = 160.0 + pitch * (k / 5);
+    tag.corners = {{{u - 8, v - 8}, {u + 8, v - 8}, {u + 8, v + 8}, {u - 8, v + 8}}};
+    view.tags.push_back(tag);
+  }
+  CameraPicture picture;
+  picture.resize(640, 480);
+  picture.show_view(view);
+  picture.grab();
+  const auto& texts = picture.texts();
+  for (const auto& one : texts)
+    for (const auto& other : texts)
+      EXPECT_TRUE(one.tag == other.tag || !one.place.intersects(other.place)) << one.tag << " and " << other.tag;
+  EXPECT_EQ(texts.size(), robots) << "each has at least its number";
+}
+
 TEST_F(CameraPageTest, SaysOfEachTagWhyItIsNotTaken) {
   const auto calibration = app::load_calibration(overhead().toStdString());
   ASSERT_TRUE(calibration.has_value());

@@ -3,7 +3,8 @@
 #include <QPainter>
 #include <algorithm>
 #include <cmath>
-#include <vector>
+#include <optional>
+#include <utility>
 
 #include "ui/base/picture.h"
 #include "ui/base/told.h"
@@ -48,8 +49,9 @@ QColor colour_of(State state, const Colours& colours) {
 namespace {
 
 /// Where a text of this size lies beside its tag and over no other tag and text: below, above, to the right or to the
-/// left of it, in the sheet; else below, or above.
-QRectF beside_tag(const QRectF& tag, const QSizeF& size, const QRectF& sheet, const std::vector<QRectF>& others) {
+/// left of it, in the sheet. Empty: nowhere.
+std::optional<QRectF> beside_tag(const QRectF& tag, const QSizeF& size, const QRectF& sheet,
+                                 const std::vector<QRectF>& others) {
   constexpr double gap = 4.0;
   const double left = std::clamp(tag.center().x() - size.width() / 2, sheet.left(),
                                  std::max(sheet.left(), sheet.right() - size.width()));
@@ -60,7 +62,7 @@ QRectF beside_tag(const QRectF& tag, const QSizeF& size, const QRectF& sheet, co
     const auto hidden = [&](const QRectF& other) { return place.intersects(other); };
     if (sheet.contains(place) && std::none_of(others.begin(), others.end(), hidden)) return place;
   }
-  return below.bottom() > sheet.bottom() ? above : below;
+  return std::nullopt;
 }
 
 }  // namespace
@@ -107,9 +109,8 @@ void CameraPicture::paintEvent(QPaintEvent*) {
   const QRectF sheet = sheet_of(picture_, size());
   p.drawImage(sheet, picture_);
   const double scale = sheet.width() / picture_.width();
-  constexpr double widest = 170.0;  // of a text [px]
-  constexpr int edge = 3;
-  std::vector<QRectF> drawn;  // outlines of the tags that are seen, then texts: not to be hidden
+  std::vector<const app::WatchedTag*> seen;
+  std::vector<QRectF> drawn;  // outlines of the tags that are seen, then their texts: not to be hidden
   for (const app::WatchedTag& tag : tags_) {
     if (!tag.seen) continue;
     QPolygonF outline;
@@ -118,26 +119,40 @@ void CameraPicture::paintEvent(QPaintEvent*) {
     const bool taken = tag.state == State::taken;
     p.setPen(QPen(colour_of(tag.state, c), 2.5, taken ? Qt::SolidLine : Qt::DashLine));
     p.drawPolygon(outline);
+    seen.push_back(&tag);
     drawn.push_back(outline.boundingRect());
   }
-  std::size_t number = 0;
-  for (const app::WatchedTag& tag : tags_) {
-    if (!tag.seen) continue;
-    const QRectF around = drawn[number++];
-    const QColor colour = colour_of(tag.state, c);
-    const bool taken = tag.state == State::taken;
-    QString text = tr("%1: %2").arg(tag.tag).arg(size_of(tag));
-    if (tag.state == State::refused)
-      text += QLatin1Char('\n') + fontMetrics().elidedText(verdict_on(tag), Qt::ElideRight, static_cast<int>(widest));
-    QRectF box = fontMetrics().boundingRect(QRect(0, 0, width(), height()), Qt::AlignLeft, text);
-    box.adjust(-edge, 0, edge, 0);
-    box = beside_tag(around, box.size(), sheet, drawn);
-    drawn.push_back(box);
+  constexpr int edge = 3;
+  std::vector<QString> written(seen.size());
+  drawn.resize(2 * seen.size());
+  const auto write = [&](std::size_t k, const QString& text) {
+    QRectF& box = drawn[seen.size() + k];
+    const QRectF before = std::exchange(box, QRectF());
+    const QRect around = fontMetrics().boundingRect(QRect(0, 0, width(), height()), Qt::AlignLeft, text);
+    const auto place = beside_tag(drawn[k], around.adjusted(-edge, 0, edge, 0).size(), sheet, drawn);
+    box = place.value_or(before);
+    if (place) written[k] = text;
+    return place.has_value();
+  };
+  // Of each its number; then as much more as has room. The table has all of it.
+  for (std::size_t k = 0; k < seen.size(); ++k) write(k, QString::number(seen[k]->tag));
+  for (std::size_t k = 0; k < seen.size(); ++k) {
+    constexpr int widest = 170;  // [px]
+    const QString size = tr("%1: %2").arg(seen[k]->tag).arg(size_of(*seen[k]));
+    const QString why = fontMetrics().elidedText(verdict_on(*seen[k]), Qt::ElideRight, widest);
+    const bool explained = seen[k]->state == State::refused && write(k, size + QLatin1Char('\n') + why);
+    if (!explained) write(k, size);
+  }
+  texts_.clear();
+  for (std::size_t k = 0; k < seen.size(); ++k) {
+    if (written[k].isEmpty()) continue;
+    const QRectF& box = drawn[seen.size() + k];
     QColor ground = c.panel;
     ground.setAlphaF(0.85F);
     p.fillRect(box, ground);
-    p.setPen(taken ? c.text : colour);
-    p.drawText(box.adjusted(edge, 0, 0, 0), Qt::AlignLeft, text);
+    p.setPen(seen[k]->state == State::taken ? c.text : colour_of(seen[k]->state, c));
+    p.drawText(box.adjusted(edge, 0, 0, 0), Qt::AlignLeft, written[k]);
+    texts_.push_back({seen[k]->tag, box});
   }
 }
 

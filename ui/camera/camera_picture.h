@@ -2,6 +2,7 @@
 
 #include <QImage>
 #include <QWidget>
+#include <vector>
 
 #include "app/tools/camera_viewer.h"
 #include "ui/base/palette.h"
@@ -25,6 +26,12 @@ class CameraPicture final : public QWidget {
   QSize sizeHint() const override { return {560, 420}; }
   QSize minimumSizeHint() const override { return {280, 210}; }
 
+  struct Text {
+    int tag;
+    QRectF place;
+  };
+  const std::vector<Text>& texts() const { return texts_; }  ///< beside the tags, in the last picture
+
  protected:
   void paintEvent(QPaintEvent*) override;
 
@@ -33,6 +40,7 @@ class CameraPicture final : public QWidget {
 
   QImage picture_;
   std::vector<app::WatchedTag> tags_;
+  std::vector<Text> texts_;
   QString why_;
 };
 
