@@ -71,6 +71,8 @@ TEST_F(CameraPageTest, ShowsTheRunsOwnPictureWithEveryTagInIt) {
       << status().toStdString() << size[1].toStdString();
   EXPECT_TRUE(eventually([&] { return status().contains(QStringLiteral("frames/s")); })) << status().toStdString();
   EXPECT_FALSE(find<NumberField>("camera_exposure")->isEnabled()) << "a camera that is rendered has none";
+  for (const char* setting : {"camera_exposure", "camera_gain", "camera_focus"})
+    EXPECT_EQ(find<NumberField>(setting)->text().toStdString(), "–") << setting << " is not known to be that";
   EXPECT_TRUE(find<QLabel>("camera_settings_note")->text().contains(QStringLiteral("cannot be changed")));
   EXPECT_FALSE(find<QLineEdit>("camera_calibration")->placeholderText().contains(QStringLiteral("px only")))
       << "sizes are in mm, by the run's calibration";

@@ -32,6 +32,12 @@ int decimals_for(const app::CameraSetting& setting) {
   return std::clamp(static_cast<int>(std::ceil(-std::log10(setting.step) - 1e-9)), 0, most);
 }
 
+/// Its value is not known.
+void show_nothing(NumberField* field) {
+  field->setSpecialValueText(QStringLiteral("–"));
+  field->setValue(field->minimum());
+}
+
 }  // namespace
 
 void CameraTagModel::show(const std::vector<app::WatchedTag>& tags) {
@@ -176,6 +182,7 @@ QWidget* CameraPage::build_controls() {
     control.field = new NumberField(box);
     control.field->setObjectName(QStringLiteral("camera_") + name);
     control.field->setAccessibleName(control.shown);
+    show_nothing(control.field);
     control.range = new QLabel(box);
     control.range->setObjectName(QStringLiteral("camera_range_") + name);
     control.range->hide();
@@ -295,8 +302,12 @@ void CameraPage::show_settings(const app::CameraView& view) {
     control.field->setEnabled(is_there && settable && !view.over);
     if (control.automatic) control.automatic->setEnabled(is_there && settable && !view.over);
     control.range->setVisible(is_there);
-    if (!is_there) continue;
     const QSignalBlocker quiet(control.field);
+    if (!is_there) {
+      show_nothing(control.field);
+      continue;
+    }
+    if (!control.field->specialValueText().isEmpty()) control.field->setSpecialValueText({});  // it rewrites the text
     const bool seconds = has->name == "exposure" && !has->counted;
     control.field->setDecimals(decimals_for(*has));
     control.field->setStepType(QAbstractSpinBox::AdaptiveDecimalStepType);
