@@ -126,6 +126,17 @@ TEST_F(Robots, OneIsTestedFromTheKeyboardAndTheVerdictIsShown) {
   EXPECT_TRUE(eventually([&] { return find<QAbstractButton>("test_robot")->isEnabled(); }));
 }
 
+TEST_F(Robots, AreAllSeenInTheUsualWindow) {
+  open_loopback();
+  window.resize(1280, 720);  // with more columns than have room: the table scrolls sideways
+  auto* table = find<QTableView>("robots");
+  const QModelIndex last = table->model()->index(3, 0);
+  EXPECT_TRUE(eventually([&] {
+    return window.height() == 720 && table->visualRect(last).bottom() < table->viewport()->height();
+  })) << table->visualRect(last).bottom() - table->viewport()->height()
+      << " px are cut off";
+}
+
 TEST_F(Robots, StopEndsATest) {
   open_loopback();
   select(Qt::Key_1);

@@ -41,7 +41,7 @@ RobotsPanel::RobotsPanel(QWidget* parent) : QTableView(parent) {
   setTabKeyNavigation(false);
   setHorizontalScrollMode(ScrollPerPixel);
   verticalHeader()->hide();
-  verticalHeader()->setDefaultSectionSize(fontMetrics().height() + 8);
+  verticalHeader()->setDefaultSectionSize(fontMetrics().height() + 5);  // with those of links, four rows have room
   horizontalHeader()->setHighlightSections(false);
   horizontalHeader()->setResizeContentsPrecision(0);  // of the rows that are seen
   // Wide enough for what usually stands there; fixed, so that numbers do not make columns dance.
