@@ -184,10 +184,12 @@ TEST_F(Results, AHandThatCarriesARobotOnIsOneKickFromItsLastMoment) {
 TEST_F(Results, NameTheirKicksInSentences) {
   start();
   find<QAction>("go_to_results")->trigger();
+  auto* table = find<QTableWidget>("result_table");
+  EXPECT_FALSE(table->isVisible()) << "nothing but its head, over the text";
   drag(robot(1), robot(1) + QPoint(30, 25));
   moved(1);
-  auto* table = find<QTableWidget>("result_table");
   ASSERT_TRUE(eventually([&] { return table->rowCount() == 2; })) << "its numbers, and its sentences";
+  EXPECT_TRUE(table->isVisible());
   EXPECT_TRUE(table->item(1, 0)->text().startsWith(QStringLiteral("Robot 2 was moved by hand: ")))
       << table->item(1, 0)->text().toStdString();
   EXPECT_TRUE(table->item(1, 0)->toolTip().startsWith(QStringLiteral("move r2 ")))

@@ -156,6 +156,7 @@ void ResultPanel::show_timing(const QString& text) {
 void ResultPanel::show_kicks() {
   const std::vector<RunResults::Kick> kicks = results_->kicks();
   const std::vector<std::vector<KickBeside>> compared = ui::compare(kicks, others_);
+  table_->setVisible(!kicks.empty());  // of none, a head would only take the room of the text
   const int rows = 2 * static_cast<int>(kicks.size());
   if (table_->rowCount() != rows) table_->clearSpans();
   table_->setRowCount(rows);
