@@ -722,6 +722,22 @@ TEST_F(Keyboard, TabGetsToEveryControlOfTheWindowAndOfEveryDialog) {
   }
 }
 
+TEST_F(Keyboard, TabGoesThroughTheGainsFromTheTopDown) {
+  start();
+  auto* gains = find("gains");
+  std::vector<QWidget*> parts;  // of the panel, in the order in which Tab comes to them
+  for (QWidget* next = gains->nextInFocusChain(); next != gains; next = next->nextInFocusChain()) {
+    if (!gains->isAncestorOf(next) || !next->isVisible() || !(next->focusPolicy() & Qt::TabFocus)) continue;
+    QWidget* part = next;
+    while (part->parentWidget() != gains) part = part->parentWidget();
+    if (parts.empty() || parts.back() != part) parts.push_back(part);
+  }
+  EXPECT_GT(parts.size(), 5U);
+  for (std::size_t k = 1; k < parts.size(); ++k)
+    EXPECT_GT(parts[k]->geometry().bottom(), parts[k - 1]->geometry().center().y())
+        << parts[k]->objectName().toStdString() << " is above " << parts[k - 1]->objectName().toStdString();
+}
+
 TEST_F(Keyboard, QuitsFromADialogAsWell) {
   open_and_wait();
   find<QAction>("camera")->trigger();

@@ -46,19 +46,20 @@ QString form_text(core::Coupling form) {
 
 GainsPanel::GainsPanel(QWidget* parent)
     : QWidget(parent),
-      undo_button_(new QToolButton(this)),
-      redo_button_(new QToolButton(this)),
-      presets_(new QToolButton(this)),
-      reset_(new QPushButton(tr("File's values"), this)),
-      coupling_(new QComboBox(this)),
-      ramp_(new NumberField(this)),
-      parameters_(new ParameterPanel(this)),
-      tabs_(new QTabWidget(this)),
+      undo_button_(new QToolButton),
+      redo_button_(new QToolButton),
+      presets_(new QToolButton),
+      reset_(new QPushButton(tr("File's values"))),
+      coupling_(new QComboBox),
+      ramp_(new NumberField),
+      parameters_(new ParameterPanel),
+      tabs_(new QTabWidget),
       margins_(new MarginBars),
       delay_(new QLabel),
       pairs_(new PairTable),
       schedule_(new ScheduleEditor) {
   setObjectName(QStringLiteral("gains"));
+  // Nothing above has a parent before it is laid out: Tab goes from the top down.
   auto* layout = new QVBoxLayout(this);
   layout->setContentsMargins(8, 6, 8, 6);
   layout->setSpacing(7);
