@@ -738,6 +738,15 @@ TEST_F(Keyboard, TabGoesThroughTheGainsFromTheTopDown) {
         << parts[k]->objectName().toStdString() << " is above " << parts[k - 1]->objectName().toStdString();
 }
 
+TEST_F(Keyboard, TabGoesThroughTheRunBarFromTheLeftToTheRight) {
+  open_and_wait();
+  const auto* bar = find("run_bar");
+  QStringList order;
+  for (const QWidget* next = bar->nextInFocusChain(); next != bar; next = next->nextInFocusChain())
+    if (bar->isAncestorOf(next) && next->focusPolicy() & Qt::TabFocus) order << next->objectName();
+  EXPECT_EQ(order.join(QLatin1Char(' ')).toStdString(), "go step speed new_run record");
+}
+
 TEST_F(Keyboard, QuitsFromADialogAsWell) {
   open_and_wait();
   find<QAction>("camera")->trigger();

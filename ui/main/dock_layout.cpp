@@ -28,6 +28,10 @@ QScrollArea* scrolling(QWidget* panel) {
   return area;
 }
 
+int least_width(const QDockWidget* dock) {
+  return std::max(dock->minimumWidth(), dock->minimumSizeHint().width());
+}
+
 }  // namespace
 
 void bring_forward(QDockWidget* dock) {
@@ -75,8 +79,8 @@ void DockLayout::set_usual() {
 }
 
 void DockLayout::stack_columns() {
-  constexpr int room_for_two = 1000;  // columns beside the arena [px]
-  const bool narrow = window_->width() < room_for_two || !columns_fit_screen();
+  constexpr int useful_arena = 400;  // width [px]
+  const bool narrow = window_->width() < columns_width() + useful_arena || !columns_fit_screen();
   if (narrow == stacked_) return;
   const bool usual = stacked_ ? window_->tabifiedDockWidgets(gains_).contains(plots_)
                               : window_->dockWidgetArea(gains_) == Qt::LeftDockWidgetArea &&
@@ -90,12 +94,15 @@ void DockLayout::stack_columns() {
   stacked_ = narrow && usual;
 }
 
+/// The least that both columns take side by side: it depends on the font.
+int DockLayout::columns_width() const {
+  return least_width(gains_) + least_width(plots_);
+}
+
 /// Whether both columns and the arena are no wider than the screen: with a large font they may be, and STOP with them.
 bool DockLayout::columns_fit_screen() const {
-  int least = window_->centralWidget() ? window_->centralWidget()->minimumSizeHint().width() : 0;
-  for (const QDockWidget* column : {gains_, plots_})
-    least += std::max(column->minimumWidth(), column->minimumSizeHint().width());
-  return least <= window_->screen()->availableGeometry().width();
+  const int arena = window_->centralWidget() ? window_->centralWidget()->minimumSizeHint().width() : 0;
+  return columns_width() + arena <= window_->screen()->availableGeometry().width();
 }
 
 void DockLayout::fit() {
@@ -148,8 +155,12 @@ void DockLayout::restore(const QSettings& stored) {
   keep_on_screen(window_);
   restored_ = window_->restoreState(stored.value(QStringLiteral("layout")).toByteArray(), layout_version);
   if (restored_) stacked_ = stored.value(QStringLiteral("stacked")).toBool();
-  if (columns_fit_screen()) return;
+  const auto fits = [this] {
+    return window_->minimumSizeHint().width() <= window_->screen()->availableGeometry().width();
+  };
+  if (columns_fit_screen() && fits()) return;
   stack_columns();  // the font, or the screen, is another one than the last time
+  if (!fits()) set_usual();
   window_->resize(fitting(window_->size(), window_));
   keep_on_screen(window_);
 }

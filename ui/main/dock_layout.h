@@ -47,6 +47,7 @@ class DockLayout final : public QObject {
   /// In a narrow window, puts the plots in a tab behind the gains, if both are at their usual places: the arena gets
   /// the room.
   void stack_columns();
+  int columns_width() const;
   bool columns_fit_screen() const;
   void on_window_resized();
   void on_dock_resized(QDockWidget* dock);

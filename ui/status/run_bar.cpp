@@ -22,16 +22,18 @@ constexpr double speeds[] = {app::Session::slowest, 0.2, 0.5, 1.0, 2.0, 5.0, 10.
 
 RunBar::RunBar(QWidget* parent)
     : QWidget(parent),
-      name_(new QLabel(this)),
-      phase_(new QLabel(this)),
-      time_(new QLabel(this)),
-      go_(new FoldingButton(this)),
-      new_run_(new FoldingButton(this)),
-      record_(new FoldingButton(tr("Record"), this)),
-      step_(new QPushButton(this)),
+      rest_(new QWidget(this)),
+      name_(new ElidingLabel),
+      phase_(new ElidingLabel),
+      time_(new QLabel),
+      go_(new FoldingButton),
+      new_run_(new FoldingButton),
+      record_(new FoldingButton(tr("Record"))),
+      step_(new QPushButton),
       stop_(new QPushButton(tr("STOP"), this)),
-      speed_(new QComboBox(this)),
-      time_line_(new TimeLine(this)) {
+      speed_(new QComboBox),
+      time_line_(new TimeLine) {
+  // Of the rest, nothing has a parent before it is laid out: Tab goes from the left to the right.
   setObjectName(QStringLiteral("run_bar"));
   name_->setObjectName(QStringLiteral("experiment_name"));
   phase_->setObjectName(QStringLiteral("phase"));
@@ -53,7 +55,6 @@ RunBar::RunBar(QWidget* parent)
   stop_->setAccessibleName(tr("STOP all robots"));
   stop_->setToolTip(tr("Stops all robots at once and ends the run (Space or Esc, always)"));
   stop_->setFocusPolicy(Qt::NoFocus);
-  stop_->setMinimumSize(150, 56);
 
   QFont bold = font();
   bold.setBold(true);
@@ -64,34 +65,43 @@ RunBar::RunBar(QWidget* parent)
   }
   speed_->setMinimumHeight(36);
   go_->setFont(bold);
+  phase_->setFont(bold);
   phase_->setMinimumWidth(QFontMetrics(bold).horizontalAdvance(tr("● Running, at 10.0×")) + 8);
   time_->setAlignment(Qt::AlignRight | Qt::AlignVCenter);
 
-  auto* texts = new QVBoxLayout;
-  texts->setSpacing(2);
-  texts->addStretch();
-  texts->addWidget(name_);
-  texts->addWidget(phase_);
-  texts->addStretch();
+  texts_ = new QVBoxLayout;
+  texts_->setSpacing(2);
+  texts_->addStretch();
+  texts_->addWidget(name_);
+  texts_->addWidget(phase_);
+  texts_->addStretch();
   beside_ = new QHBoxLayout;
   beside_->setSpacing(8);
-  beside_->addLayout(texts);
+  beside_->addLayout(texts_);
   beside_->addSpacing(4);
   beside_->addWidget(go_);
   beside_->addWidget(step_);
   beside_->addWidget(speed_);
   beside_->addWidget(new_run_);
   beside_->addWidget(record_);
-  beside_->addWidget(time_line_, 1);
-  below_ = new QVBoxLayout;
-  below_->setSpacing(2);
-  below_->addLayout(beside_, 1);
+  beside_->addWidget(time_line_);
+  below_ = new QHBoxLayout;
+  below_->setSpacing(8);
+  auto* lines = new QVBoxLayout;
+  lines->setSpacing(2);
+  lines->addLayout(beside_, 1);
+  lines->addLayout(below_);
+  auto* before_stop = new QHBoxLayout(rest_);
+  before_stop->setContentsMargins(0, 0, 0, 0);
+  before_stop->setSpacing(8);
+  before_stop->addLayout(lines, 1);
+  before_stop->addWidget(time_);
+  // STOP first: the rest has what it leaves, however little that is, and never asks for a window wider than a screen.
+  rest_->setMinimumWidth(1);
   auto* layout = new QHBoxLayout(this);
   layout->setContentsMargins(10, 6, 10, 6);
-  layout->setSpacing(8);
-  layout->addLayout(below_, 1);
-  layout->addWidget(time_);
-  layout->addSpacing(6);
+  layout->setSpacing(14);
+  layout->addWidget(rest_, 1);
   layout->addWidget(stop_);
 
   connect(go_, &QPushButton::clicked, this, &RunBar::go);
@@ -107,42 +117,49 @@ RunBar::RunBar(QWidget* parent)
   nothing.words = tr("Opening …");
   nothing.new_run_text = tr("New run");
   show_state(nothing);
-  set_tightness(tightest);
-  smallest_ = layout->minimumSize();
   set_tightness(0);
 }
 
 void RunBar::set_tightness(int tightness) {
-  tightness_ = tightness;
-  new_run_->set_folded(tightness >= 1);
-  record_->set_folded(tightness >= 1);
-  go_->set_folded(tightness >= 3);
-  go_->setMinimumWidth(tightness >= 3 ? 44 : 104);
+  const bool below = tightness >= 3, folds = tightness >= (below ? 4 : 1);  // below the buttons, they have room again
+  has_short_time_ = tightness >= (below ? 5 : 2);
+  const bool folds_go = tightness >= 6;
+  new_run_->set_folded(folds);
+  record_->set_folded(folds);
+  go_->set_folded(folds_go);
+  const int around = go_->iconSize().width() + 40;
+  const int widest = QFontMetrics(go_->font()).horizontalAdvance(tr("Resume")) + around;
+  go_->setMinimumWidth(folds_go ? 44 : std::max(104, widest));
   // As wide as the widest text: what follows does not jump about.
-  time_->setMinimumWidth(fontMetrics().horizontalAdvance(tightness >= 2 ? QStringLiteral("0000.0 s")
-                                                                        : QStringLiteral("0000.0 s / −0000.0 s")));
-  put_time_line(tightness >= 4);
+  time_->setMinimumWidth(fontMetrics().horizontalAdvance(has_short_time_ ? QStringLiteral("0000.0 s")
+                                                                         : QStringLiteral("0000.0 s / −0000.0 s")));
+  const bool phase_below = tightness >= tightest;
+  name_->setVisible(!phase_below);  // the window's title has it
+  if (phase_below)
+    put(phase_, below_, 0);
+  else
+    put(phase_, texts_, texts_->indexOf(name_) + 1);
+  put(time_line_, below ? below_ : beside_, -1);
+  time_line_->set_flat(below);
+  beside_->setStretchFactor(texts_, below ? 1 : 0);  // who has the room that is left
   show_time();
-  layout()->invalidate();
+  // Each by itself: the outermost would go by what those inside remember of other texts.
+  for (QLayout* line : rest_->findChildren<QLayout*>()) line->invalidate();
 }
 
-/// Beside the buttons, or below them: nobody would have to do without it to go through a replay.
-void RunBar::put_time_line(bool below) {
-  if (below == (beside_->indexOf(time_line_) < 0)) return;
-  if (below) {
-    beside_->removeWidget(time_line_);
-    below_->addWidget(time_line_);
-  } else {
-    below_->removeWidget(time_line_);
-    beside_->addWidget(time_line_, 1);
-  }
-  time_line_->set_flat(below);
+/// Into this line at this place, out of another: nobody would have to do without it to go through a replay.
+void RunBar::put(QWidget* widget, QBoxLayout* into, int place) {
+  if (into->indexOf(widget) >= 0) return;
+  for (QBoxLayout* line : std::initializer_list<QBoxLayout*>{texts_, beside_, below_}) line->removeWidget(widget);
+  into->insertWidget(place, widget);
 }
 
 void RunBar::fit() {
+  const QMargins around = layout()->contentsMargins();
+  const int room = width() - around.left() - around.right() - layout()->spacing() - stop_->minimumWidth();
   for (int tightness = 0; tightness <= tightest; ++tightness) {
     set_tightness(tightness);
-    if (layout()->minimumSize().width() <= width()) break;
+    if (rest_->layout()->minimumSize().width() <= room) break;
   }
 }
 
@@ -155,7 +172,7 @@ void RunBar::show_time() {
   const QString now = tr("%1 s").arg(t_, 0, 'f', 1);
   if (!has_time_)
     time_->clear();
-  else if (!end_ || tightness_ >= 2)
+  else if (!end_ || has_short_time_)
     time_->setText(now);
   else
     time_->setText(tr("%1 / −%2 s").arg(now).arg(std::max(0.0, *end_ - t_), 0, 'f', 1));
@@ -163,7 +180,7 @@ void RunBar::show_time() {
 
 void RunBar::show_experiment(const app::Experiment& experiment) {
   const QString name = QString::fromStdString(experiment.name);
-  name_->setText(fontMetrics().elidedText(name, Qt::ElideRight, 150));
+  name_->setText(name);
   name_->setToolTip(name);
   time_line_->show_experiment(experiment);
 }
@@ -171,6 +188,8 @@ void RunBar::show_experiment(const app::Experiment& experiment) {
 void RunBar::show_state(const RunState& state) {
   const QString shown = phase_text_of(state);
   if (phase_->text() != shown) phase_->setText(shown);
+  if (phase_->toolTip() != shown) phase_->setToolTip(shown);
+  phase_->set_ink(colour(state.tone, colours(palette())));
   t_ = state.t;
   end_ = state.end;
   has_time_ = state.has_time;
@@ -194,8 +213,7 @@ QString RunBar::phase_text_of(const RunState& state) {
     since_t_ = state.t;
   }
   if (state.moves && state.speed != 1.0) text += tr(", at %1×").arg(pace_, 0, 'f', pace_ < 10.0 ? 1 : 0);
-  return QStringLiteral("<span style=\"color:%1; font-weight:600\">● %2</span>")
-      .arg(colour(state.tone, colours(palette())).name(), text);
+  return QStringLiteral("● ") + text;
 }
 
 void RunBar::show_go(const RunState& state) {
@@ -265,7 +283,10 @@ void RunBar::dress() {
       "QPushButton { background: #c8102e; color: white; border: 2px solid #8f0b20; border-radius: 8px;"
       " font-weight: 800; font-size: 17pt; padding: 0 14px; }"
       "QPushButton:hover { background: #dc1f3e; } QPushButton:pressed { background: #8f0b20; }");
-  if (stop_->styleSheet() != sheet) stop_->setStyleSheet(sheet);
+  if (stop_->styleSheet() == sheet) return;
+  stop_->setStyleSheet(sheet);
+  stop_->ensurePolished();
+  stop_->setMinimumSize(QSize(150, 56).expandedTo(stop_->minimumSizeHint()));  // a desktop may enlarge its text, too
 }
 
 }  // namespace skein::ui

@@ -8,10 +8,12 @@
 #include <optional>
 
 #include "app/experiment/experiment.h"
+#include "ui/base/eliding_label.h"
 #include "ui/base/folding_button.h"
 #include "ui/run/run_state.h"
 #include "ui/status/time_line.h"
 
+class QBoxLayout;
 class QHBoxLayout;
 class QVBoxLayout;
 
@@ -27,8 +29,6 @@ class RunBar final : public QWidget {
   void show_record(const app::TickRecord& record) { time_line_->show_record(record); }
   void show_state(const RunState& state);
   void pick_speed(int steps);  ///< this many steps faster; negative: slower
-
-  QSize minimumSizeHint() const override { return smallest_; }
 
   QPushButton* stop_button() const { return stop_; }
   TimeLine* time_line() const { return time_line_; }
@@ -46,27 +46,28 @@ class RunBar final : public QWidget {
   void resizeEvent(QResizeEvent*) override;
 
  private:
-  static constexpr int tightest = 4;
-  /// 0: shows everything; at higher values the texts of buttons and the remaining time disappear one after the other,
-  /// and the time line moves below the buttons. STOP always stays.
+  static constexpr int tightest = 7;
+  /// 0: shows everything; at higher values the time line moves below the buttons, their texts and the remaining time
+  /// disappear one after the other, and the phase follows the time line. STOP always stays.
   void set_tightness(int tightness);
   void fit();
-  void put_time_line(bool below);
+  void put(QWidget* widget, QBoxLayout* into, int place);
   void show_time();
   void dress();
   QString phase_text_of(const RunState& state);
   void show_go(const RunState& state);
   void show_rest(const RunState& state);
 
-  QLabel *name_, *phase_, *time_;
+  QWidget* rest_;  // everything but STOP
+  ElidingLabel *name_, *phase_;
+  QLabel* time_;
   FoldingButton *go_, *new_run_, *record_;
   QPushButton *step_, *stop_;
   QComboBox* speed_;
   TimeLine* time_line_;
-  QHBoxLayout* beside_;
-  QVBoxLayout* below_;
-  QSize smallest_;
-  int tightness_ = 0;
+  QVBoxLayout* texts_;
+  QHBoxLayout *beside_, *below_;  // the buttons' line and the one under it
+  bool has_short_time_ = false;
   double t_ = 0.0;
   std::optional<double> end_;
   bool has_time_ = false;
