@@ -99,6 +99,15 @@ TEST_F(Replay, GoesWhereTheScrubberIsPut) {
   EXPECT_FALSE((*window.replay().latest()).events.empty());
 }
 
+TEST_F(Replay, HasATimeLineOnWhichASecondIsSeen) {
+  replay(recorded());
+  for (const int width : {1024, 1100, 1280, 1366, 1920}) {
+    window.resize(width, 768);
+    ASSERT_TRUE(eventually([&] { return window.width() == width; }));
+    EXPECT_TRUE(eventually([&] { return time_line().width() >= 320; })) << time_line().width() << " px at " << width;
+  }
+}
+
 TEST_F(Replay, IsScrubbedInTheSmallestWindow) {
   replay(recorded());
   window.go();

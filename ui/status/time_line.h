@@ -21,7 +21,7 @@ class TimeLine final : public QWidget {
   void set_scrubbable(bool on, const RunHistory::Rows& rows);
   void set_flat(bool flat);  ///< no higher than its marks
   QSize sizeHint() const override { return {320, flat_ ? flat_height : 40}; }
-  QSize minimumSizeHint() const override { return {140, flat_ ? flat_height : 36}; }
+  QSize minimumSizeHint() const override { return {flat_ ? 140 : 320, flat_ ? flat_height : 36}; }
 
  signals:
   void time_wanted(double t);
