@@ -48,8 +48,7 @@ struct TagDetector::Parts {
 };
 
 TagDetector::TagDetector(const DetectorOptions& options) : parts_(std::make_unique<Parts>()) {
-  apriltag_detector_add_family_bits(parts_->detector.get(), parts_->family.get(),
-                                    std::clamp(options.bits_corrected, 0, 2));
+  detail::add_family(*parts_->detector, *parts_->family, std::clamp(options.bits_corrected, 0, 2));
   parts_->detector->nthreads = std::max(1, options.threads);
   parts_->least_likeness = options.least_likeness;
   set_decimate(options.decimate);

@@ -97,7 +97,7 @@ class Reader {
     detector_->qtp.min_white_black_diff = min_white_black_diff;
     for (std::size_t k = 0; k < families.size(); ++k) {
       families_[k] = std::make_unique<Family>(families[k]);
-      apriltag_detector_add_family_bits(detector_.get(), families_[k]->get(), families[k].bits_corrected);
+      detail::add_family(*detector_, *families_[k]->get(), families[k].bits_corrected);
     }
   }
 

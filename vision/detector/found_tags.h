@@ -1,7 +1,10 @@
 #pragma once
 
+#include <apriltag/apriltag.h>
+
 #include <cmath>
 #include <cstddef>
+#include <new>
 #include <tuple>
 
 #include "vision/tags/detection.h"
@@ -11,6 +14,13 @@ namespace skein::vision::detail {
 /// A tag has 8 modules and a border; AprilTag's thresholding works on whole 4x4 tiles and reads past a picture smaller
 /// than one. [px]
 inline constexpr int least_side = 16;
+
+/// From now on the detector looks for tags of this family, too. Without memory for its table AprilTag writes a line to
+/// stderr, and would never see a tag: throws std::bad_alloc.
+inline void add_family(apriltag_detector_t& detector, apriltag_family_t& family, int bits_corrected) {
+  apriltag_detector_add_family_bits(&detector, &family, bits_corrected);
+  if (family.impl == nullptr) throw std::bad_alloc();
+}
 
 /// What AprilTag found in a picture that begins at this pixel of the frame; the likeness is left open.
 inline Detection detection_of(int tag, float decision_margin, const double (&corners)[4][2], int left = 0,

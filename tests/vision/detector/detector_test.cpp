@@ -1,7 +1,11 @@
 #include "vision/detector/detector.h"
 
+#include <sys/resource.h>
+
 #include <Eigen/Core>
 #include <cmath>
+#include <cstdlib>
+#include <new>
 
 #include "tests/vision/support.h"
 #include "vision/synthetic/synthetic_camera.h"
@@ -127,6 +131,26 @@ TEST(TagDetector, ThreadsChangeNothing) {
       EXPECT_NEAR(a[t].corners[i][1], b[t].corners[i][1], 1e-3);
     }
   }
+}
+
+TEST(TagDetector, WithoutMemoryIsAnErrorAndNotBlind) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "AddressSanitizer ends the program itself where memory is limited";
+#endif
+  const auto without_memory = [] {
+    const rlimit nothing_more{1, 1};
+    if (setrlimit(RLIMIT_AS, &nothing_more) != 0) std::_Exit(1);
+    void* volatile taken = nullptr;
+    do taken = std::malloc(1 << 20);
+    while (taken != nullptr);  // only what is small has room now
+    try {
+      const TagDetector detector;
+    } catch (const std::bad_alloc&) {
+      std::_Exit(7);
+    }
+    std::_Exit(0);
+  };
+  EXPECT_EXIT(without_memory(), ::testing::ExitedWithCode(7), "");
 }
 
 TEST(TagDetector, SeesNothingWhereNothingIs) {
