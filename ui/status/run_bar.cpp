@@ -50,6 +50,7 @@ RunBar::RunBar(QWidget* parent)
   speed_->setAccessibleName(tr("Speed"));
   for (const double speed : speeds) speed_->addItem(tr("%1×").arg(speed), speed);
   speed_->setCurrentIndex(speed_->findData(1.0));
+  speed_->setSizeAdjustPolicy(QComboBox::AdjustToContents);
   speed_->setMaxVisibleItems(static_cast<int>(std::size(speeds)));
   stop_->setObjectName(QStringLiteral("stop"));
   stop_->setAccessibleName(tr("STOP all robots"));
@@ -66,7 +67,6 @@ RunBar::RunBar(QWidget* parent)
   speed_->setMinimumHeight(36);
   go_->setFont(bold);
   phase_->setFont(bold);
-  phase_->setMinimumWidth(QFontMetrics(bold).horizontalAdvance(tr("● Running, at 10.0×")) + 8);
   time_->setAlignment(Qt::AlignRight | Qt::AlignVCenter);
 
   texts_ = new QVBoxLayout;
@@ -135,6 +135,8 @@ void RunBar::set_tightness(int tightness) {
                                                                          : QStringLiteral("0000.0 s / −0000.0 s")));
   const bool phase_below = tightness >= tightest;
   name_->setVisible(!phase_below);  // the window's title has it
+  phase_->setMinimumWidth(phase_below ? 0
+                                      : QFontMetrics(phase_->font()).horizontalAdvance(tr("● Running, at 10.0×")) + 8);
   if (phase_below)
     put(phase_, below_, 0);
   else
