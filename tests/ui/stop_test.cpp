@@ -213,6 +213,7 @@ TEST_F(Stop, ByTheButtonWithAMenuOpen) {
   QTest::mousePress(menu, Qt::LeftButton, {}, menu->mapFromGlobal(button->mapToGlobal(button->rect().center())));
   expect_stopped();
   EXPECT_EQ(QApplication::activePopupWidget(), nullptr);
+  QTest::mouseRelease(button, Qt::LeftButton);
 }
 
 TEST_F(Stop, InTheMiddleOfADrag) {

@@ -150,7 +150,8 @@ void CameraPicture::paintEvent(QPaintEvent*) {
     QColor ground = c.panel;
     ground.setAlphaF(0.85F);
     p.fillRect(box, ground);
-    p.setPen(seen[k]->state == State::taken ? c.text : colour_of(seen[k]->state, c));
+    const bool is_well = seen[k]->state == State::taken;
+    p.setPen(is_well ? c.text : colour_of(seen[k]->state, c));
     p.drawText(box.adjusted(edge, 0, 0, 0), Qt::AlignLeft, written[k]);
     texts_.push_back({seen[k]->tag, box});
   }

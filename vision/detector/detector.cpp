@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <new>
 
 #include "vision/detector/found_tags.h"
 #include "vision/detector/likeness.h"
@@ -46,6 +47,11 @@ struct TagDetector::Parts {
     std::sort(found.begin(), found.end(), detail::by_id);
   }
 };
+
+void detail::add_family(apriltag_detector& detector, apriltag_family& family, int bits_corrected) {
+  apriltag_detector_add_family_bits(&detector, &family, bits_corrected);
+  if (family.impl == nullptr) throw std::bad_alloc();
+}
 
 TagDetector::TagDetector(const DetectorOptions& options) : parts_(std::make_unique<Parts>()) {
   detail::add_family(*parts_->detector, *parts_->family, std::clamp(options.bits_corrected, 0, 2));

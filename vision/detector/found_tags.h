@@ -1,13 +1,13 @@
 #pragma once
 
-#include <apriltag/apriltag.h>
-
 #include <cmath>
 #include <cstddef>
-#include <new>
 #include <tuple>
 
 #include "vision/tags/detection.h"
+
+struct apriltag_detector;
+struct apriltag_family;
 
 namespace skein::vision::detail {
 
@@ -17,10 +17,7 @@ inline constexpr int least_side = 16;
 
 /// From now on the detector looks for tags of this family, too. Without memory for its table AprilTag writes a line to
 /// stderr, and would never see a tag: throws std::bad_alloc.
-inline void add_family(apriltag_detector_t& detector, apriltag_family_t& family, int bits_corrected) {
-  apriltag_detector_add_family_bits(&detector, &family, bits_corrected);
-  if (family.impl == nullptr) throw std::bad_alloc();
-}
+void add_family(apriltag_detector& detector, apriltag_family& family, int bits_corrected);
 
 /// What AprilTag found in a picture that begins at this pixel of the frame; the likeness is left open.
 inline Detection detection_of(int tag, float decision_margin, const double (&corners)[4][2], int left = 0,
