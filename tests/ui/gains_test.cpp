@@ -11,6 +11,7 @@
 #include <QSlider>
 #include <QTabWidget>
 #include <QToolButton>
+#include <QToolTip>
 #include <cmath>
 #include <cstdlib>
 #include <random>

@@ -1,6 +1,7 @@
 // Fonts of the desktop from small to three times as large, on the screen of this process: ctest runs it on several
 // (CMakeLists.txt). STOP is whole, and the arena can be used.
 #include <QApplication>
+#include <QDockWidget>
 #include <QScreen>
 
 #include "operator.h"
@@ -19,7 +20,7 @@ class DesktopFont : public ::testing::WithParamInterface<int> {
     font.setPointSize(GetParam());
     QApplication::setFont(font);
   }
-  ~DesktopFont() { QApplication::setFont(before_); }
+  ~DesktopFont() override { QApplication::setFont(before_); }
   DesktopFont(const DesktopFont&) = delete;
   DesktopFont& operator=(const DesktopFont&) = delete;
 
