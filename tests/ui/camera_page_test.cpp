@@ -94,19 +94,24 @@ TEST_F(CameraPageTest, ThatIsIdleSaysSoOnce) {
   EXPECT_EQ(shown().count(idle), 1) << shown().join(QLatin1Char('|')).toStdString();
 }
 
+/// The tag of robot `k`, its middle at (u, v). [pixels]
+app::WatchedTag tag_at(int k, double u, double v, double edge_px) {
+  app::WatchedTag tag{};
+  tag.tag = k + 1;
+  tag.robot = k;
+  tag.seen = true;
+  tag.state = app::WatchedTag::State::taken;
+  tag.edge_px = edge_px;
+  const double half = edge_px / 2.0;
+  tag.corners = {{{u - half, v - half}, {u + half, v - half}, {u + half, v + half}, {u - half, v + half}}};
+  return tag;
+}
+
 TEST(CameraPicture, HidesNoTagBehindTheTextOfAnother) {
   app::CameraView view;
   view.picture = {400, 300, std::vector<std::uint8_t>(400 * 300, 128)};
   for (int k = 0; k < 4; ++k) {  // one below the other, as robots of a platoon
-    app::WatchedTag tag{};
-    tag.tag = k + 1;
-    tag.robot = k;
-    tag.seen = true;
-    tag.state = app::WatchedTag::State::taken;
-    tag.edge_px = 12;
-    const double u = 200.0, v = 100.0 + 20.0 * k;
-    tag.corners = {{{u - 6, v - 6}, {u + 6, v - 6}, {u + 6, v + 6}, {u - 6, v + 6}}};
-    view.tags.push_back(tag);
+    view.tags.push_back(tag_at(k, 200.0, 100.0 + 20.0 * k, 12.0));
   }
   CameraPicture picture;
   picture.resize(400, 300);
@@ -121,16 +126,8 @@ TEST(CameraPicture, WritesNoTextOverAnother) {
   app::CameraView view;
   view.picture = {640, 480, std::vector<std::uint8_t>(640 * 480, 128)};
   for (int k = 0; k < robots; ++k) {  // a crowd, in five columns
-    app::WatchedTag tag{};
-    tag.tag = k + 1;
-    tag.robot = k;
-    tag.seen = true;
-    tag.state = app::WatchedTag::State::taken;
-    tag.edge_px = 16;
-    tag.edge = 0.0441;
-    const double u = 240.0 + pitch * (k % 5), v = 160.0 + pitch * (k / 5);
-    tag.corners = {{{u - 8, v - 8}, {u + 8, v - 8}, {u + 8, v + 8}, {u - 8, v + 8}}};
-    view.tags.push_back(tag);
+    view.tags.push_back(tag_at(k, 240.0 + pitch * (k % 5), 160.0 + pitch * (k / 5), 16.0));
+    view.tags.back().edge = 0.0441;
   }
   CameraPicture picture;
   picture.resize(640, 480);

@@ -360,7 +360,7 @@ TEST_F(TenTagsOfAnotherSize, AreAllReachedByWheelAndKeys) {
   for (const QSize size : {QSize(1280, 800), QSize(800, 600)}) {
     window.resize(size);
     ASSERT_TRUE(eventually([&] { return window.size() == size && find(tag_picture(10).c_str())->isVisible(); }));
-    QTest::qWait(50);  // layouts
+    lay_out();
     QWidget* const pictures = find("tag_pictures");
     for (int robot = 1; robot <= 10; ++robot) {
       const QLabel* picture = find<QLabel>(tag_picture(robot).c_str());
@@ -387,7 +387,7 @@ TEST_F(TenTagsOfAnotherSize, StayWhereTheOperatorHasScrolledThem) {
   open_file_and_wait();
   window.resize(800, 600);
   ASSERT_TRUE(eventually([&] { return bar()->maximum() > 0; }));
-  QTest::qWait(50);  // layouts
+  lay_out();
   find("mend_tag_size")->setFocus();
   seen_on_the_way([&] { key(Qt::Key_PageDown); });
   const int there = bar()->value();

@@ -302,7 +302,7 @@ TEST_P(ConnectLook, CutsNothingOffAt800x600) {
   ASSERT_TRUE(eventually([&] { return rests(); }));
   press("connect_test");  // with the question
   ASSERT_TRUE(eventually([&] { return page->size() == QSize(800, 600); })) << page->width() << " x " << page->height();
-  QTest::qWait(50);  // layouts
+  lay_out();
   QCoreApplication::sendPostedEvents(nullptr, QEvent::LayoutRequest);
   for (QWidget* widget : page->findChildren<QWidget*>()) {
     if (!widget->isVisible() || !(qobject_cast<QPushButton*>(widget) || qobject_cast<QLabel*>(widget))) continue;

@@ -37,7 +37,7 @@ class LargeFont : public DesktopFont, public Operator {
     const auto* stop = find<QPushButton>("stop");
     EXPECT_TRUE(eventually([&] { return window.size() == size; }))
         << "it needs " << window.minimumSizeHint().width() << " x " << window.minimumSizeHint().height();
-    QTest::qWait(50);  // layouts
+    lay_out();
     EXPECT_TRUE(QRect(QPoint(), size).contains({stop->mapTo(&window, QPoint()), stop->size()}));
     EXPECT_GE(stop->width(), stop->minimumSizeHint().width());
     EXPECT_GE(stop->height(), 56);

@@ -92,7 +92,7 @@ void expect_nothing_cut_off(MainWindow& window) {
 void expect_nothing_cut_off_in_any_tab(MainWindow& window) {
   for (const char* shown : {"go_to_gains", "go_to_plots"}) {
     window.findChild<QAction*>(QString::fromLatin1(shown))->trigger();
-    QTest::qWait(50);
+    lay_out();
     expect_nothing_cut_off(window);
   }
 }
@@ -106,7 +106,7 @@ TEST_P(Look, CutsNothingOff) {
   window.resize(screen.width, screen.height);
   ASSERT_TRUE(eventually([&] { return window.size() == QSize(screen.width, screen.height); }))
       << "it needs more: " << window.width() << " x " << window.height();
-  QTest::qWait(50);  // layouts
+  lay_out();
   expect_nothing_cut_off_in_any_tab(window);
 }
 
@@ -171,7 +171,7 @@ TEST_F(Operator, FindsTheFirstWindowAndEveryDialogInsideTheScreen) {
   for (const char* action :
        {"shortcuts", "about", "edit_experiment", "calibrate_camera", "camera", "connect_robots_page"})
     find<QAction>(action)->trigger();
-  QTest::qWait(50);
+  lay_out();
   for (QDialog* dialog : window.findChildren<QDialog*>()) {
     EXPECT_LE(dialog->width(), screen.width()) << dialog->objectName().toStdString();
     EXPECT_LE(dialog->height(), screen.height()) << dialog->objectName().toStdString();

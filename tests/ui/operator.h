@@ -43,6 +43,11 @@ inline bool eventually(const std::function<bool()>& holds) {
   return QTest::qWaitFor(holds, deadline_ms);
 }
 
+/// Lets layouts come to rest, on a busy machine too: a change of one causes that of another in a later turn of the loop.
+inline void lay_out() {
+  for (int turn = 0; turn < 10; ++turn) QTest::qWait(5);
+}
+
 /// Gives a window the keyboard, as a window manager would. On an X server without one, the window below may come to the
 /// front once more after it: until it stays there.
 inline bool bring_to_front(QWidget& window) {
