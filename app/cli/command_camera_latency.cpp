@@ -111,10 +111,7 @@ int camera_latency(const CameraLatencyRequest& request) {
     }
     robots.push_back(robot - 1);
   }
-  if (const auto readable = check_calibrations(*experiment); !readable) {
-    complain_lines(readable.error());
-    return wrong_input;
-  }
+  if (!can_read_calibrations(*experiment)) return wrong_input;
   if (request.save && !can_save(request, *experiment)) return wrong_input;
   const auto driven = DrivenPlant::open(with_links_of(std::move(*experiment), robots), {}, complain);
   if (!driven) {

@@ -53,10 +53,7 @@ int test_robots(const RobotsRequest& request) {
     experiment.camera.source = request.camera;
     experiment.camera.calibration = std::filesystem::absolute(request.calibration).string();
   }
-  if (const auto readable = check_calibrations(experiment); !readable) {
-    complain_lines(readable.error());
-    return wrong_input;
-  }
+  if (!can_read_calibrations(experiment)) return wrong_input;
   if (request.save)  // nothing yet: what prevents it is to be known before a robot drives
     if (const int possible = save_found(known_robots_file(request.file), {}); possible != done) return possible;
   SessionOptions options;

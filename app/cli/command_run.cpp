@@ -19,7 +19,6 @@
 #include "app/experiment/text_file.h"
 #include "app/guard/safety_net.h"
 #include "app/record/csv_file.h"
-#include "app/record/gnuplot.h"
 #include "app/record/report.h"
 #include "app/record/statistics.h"
 #include "app/run/exit_status.h"
@@ -70,6 +69,12 @@ std::optional<Experiment> load(const ExperimentRequest& request) {
   return {};
 }
 
+bool can_read_calibrations(const Experiment& experiment) {
+  const auto readable = check_calibrations(experiment);
+  if (!readable) complain_lines(readable.error());
+  return readable.has_value();
+}
+
 int run(const RunRequest& request) {
   const auto experiment = load(request.experiment);
   if (!experiment) return wrong_input;
@@ -82,10 +87,7 @@ int run(const RunRequest& request) {
     complain("--video: there is no camera to record (camera.source = \"none\"); allowed: an experiment with a camera");
     return wrong_input;
   }
-  if (const auto readable = check_calibrations(*experiment); !readable) {
-    complain_lines(readable.error());
-    return wrong_input;
-  }
+  if (!can_read_calibrations(*experiment)) return wrong_input;
   const bool live = !request.publish.empty() && request.speed.empty();
   const auto clock = real || request.speed == "realtime" || live ? Session::Clock::wall : Session::Clock::virtual_;
   if (!request.report.empty())
@@ -115,8 +117,8 @@ int run(const RunRequest& request) {
     complain(path + ": is a file that the run is read from, allowed: another file");
     return true;
   };
-  for (const std::string& film :
-       request.video.empty() ? std::vector<std::string>() : film_paths(*experiment, request.video)) {
+  const bool films = !request.video.empty();
+  for (const std::string& film : films ? film_paths(*experiment, request.video) : std::vector<std::string>()) {
     if (is_input(film)) return wrong_input;
     if (!request.force && std::filesystem::is_regular_file(film, ignored)) {
       complain(fmt::format("{}: already exists, and no run is overwritten; use the free name {}, or --force", film,

@@ -11,7 +11,7 @@
 #include "app/cli/command_line_studies.h"
 #include "app/cli/same_file.h"
 #include "app/cli/shell_word.h"
-#include "app/record/gnuplot.h"
+#include "app/experiment/text_file.h"
 #include "app/record/report.h"
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"

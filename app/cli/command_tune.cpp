@@ -5,7 +5,7 @@
 #include <string>
 
 #include "app/cli/command_line_studies.h"
-#include "app/record/gnuplot.h"
+#include "app/experiment/text_file.h"
 #include "app/record/report.h"
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"

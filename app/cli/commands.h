@@ -24,6 +24,8 @@ struct ExperimentRequest {
 };
 /// Loads it, or prints every problem to stderr.
 std::optional<Experiment> load(const ExperimentRequest& request);
+/// Whether the calibrations of all its cameras can be read; what prevents it is on stderr.
+bool can_read_calibrations(const Experiment& experiment);
 
 struct RunRequest {
   ExperimentRequest experiment;
@@ -130,8 +132,9 @@ int test_robots(const RobotsRequest& request);
 /// Writes what was found about robots to the file of robots; reports robots that the file does not have.
 int save_found(const std::string& file, const std::vector<FoundRobot>& robots);
 
-/// Writes values, as TOML text, to keys of an experiment file, leaving the rest unchanged.
+/// Keys of an experiment file and their values as TOML text.
 using KeyValues = std::vector<std::pair<std::string, std::string>>;
+/// Writes these values, leaving the rest of the file unchanged.
 int save_keys(const std::string& file, const KeyValues& values);
 /// Whether they could be written, before they are measured; what prevents it is on stderr.
 bool can_save_keys(const std::string& file, const KeyValues& values);

@@ -138,7 +138,7 @@ Findings calibrations(const Examination& examination) {
 
 Findings check_cameras(const Machine& machine, const Examination& examination) {
   Findings result = cameras(machine, examination);
-  for (Finding& finding : calibrations(examination)) result.push_back(std::move(finding));
+  append(result, calibrations(examination));
   return result;
 }
 

@@ -126,7 +126,7 @@ Findings serial(const Machine& machine, const Examination& examination) {
 
 Findings check_links(const Machine& machine, const Examination& examination) {
   Findings result = bluetooth(machine, examination);
-  for (Finding& finding : serial(machine, examination)) result.push_back(std::move(finding));
+  append(result, serial(machine, examination));
   return result;
 }
 

@@ -75,7 +75,7 @@ Finding display(const Machine& machine) {
 
 Findings check_program(const Machine& machine, const Examination& examination) {
   Findings result = controllers(machine, examination);
-  for (Finding& finding : parts(machine)) result.push_back(std::move(finding));
+  append(result, parts(machine));
   result.push_back(display(machine));
   return result;
 }

@@ -13,6 +13,10 @@ namespace skein::app::detail {
 namespace fs = std::filesystem;
 using State = Finding::State;
 
+void append(Findings& all, Findings more) {
+  std::move(more.begin(), more.end(), std::back_inserter(all));
+}
+
 std::string read(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(file), {}};

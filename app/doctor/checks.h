@@ -11,6 +11,7 @@
 namespace skein::app::detail {
 
 using Findings = std::vector<Finding>;
+void append(Findings& all, Findings more);
 
 // In the order in which problems should be fixed.
 Findings check_permissions(const Machine& machine);

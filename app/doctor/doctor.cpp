@@ -2,9 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <iterator>
-#include <utility>
-
 #include "app/doctor/checks.h"
 #include "app/run/terminal_text.h"
 
@@ -13,13 +10,12 @@ namespace skein::app {
 std::vector<Finding> examine(const Machine& machine, const Examination& examination) {
   using namespace detail;
   Findings all;
-  const auto add = [&](Findings more) { std::move(more.begin(), more.end(), std::back_inserter(all)); };
-  add(check_permissions(machine));
-  add(check_computer(machine));
-  add(check_storage(machine));
-  add(check_links(machine, examination));
-  add(check_cameras(machine, examination));
-  add(check_program(machine, examination));
+  append(all, check_permissions(machine));
+  append(all, check_computer(machine));
+  append(all, check_storage(machine));
+  append(all, check_links(machine, examination));
+  append(all, check_cameras(machine, examination));
+  append(all, check_program(machine, examination));
   if (examination.seconds > 0.0) all.push_back(check_timing(machine, examination.seconds));
   return all;
 }

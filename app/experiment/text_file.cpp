@@ -7,6 +7,10 @@
 #include <filesystem>
 #include <fstream>
 
+#include <fmt/format.h>
+
+#include "app/experiment/file_change.h"
+
 namespace skein::app {
 
 namespace {
@@ -50,6 +54,35 @@ tl::expected<std::string, std::vector<Problem>> read_text(const std::string& pat
   }
   if (in.bad()) return unreadable(std::strerror(errno));
   return text;
+}
+
+tl::expected<void, std::string> write_file(const std::string& path, std::string_view text) {
+  std::error_code unknown;
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  const bool can_be_new = folder.empty() || std::filesystem::is_directory(folder, unknown);
+  const bool is_new = std::filesystem::symlink_status(path, unknown).type() == std::filesystem::file_type::not_found;
+  if (is_new ? can_be_new : std::filesystem::is_regular_file(path, unknown))
+    if (auto change = FileChange::begin(path)) return change->save(text);
+  // A device, a pipe, a link to what is not there yet, or a file that may be changed in a folder that may not.
+  errno = 0;
+  std::ofstream out(path, std::ios::binary | std::ios::trunc);
+  out << text;
+  out.close();
+  if (out) return {};
+  return tl::unexpected(fmt::format("{}: cannot be written: {}", path, std::strerror(errno)));
+}
+
+tl::expected<void, std::string> check_can_write(const std::string& path) {
+  std::error_code unknown;
+  const std::filesystem::file_status there = std::filesystem::status(path, unknown);
+  const bool is_new = !std::filesystem::exists(there);
+  // Whoever reads from a FIFO would take the end of a test for the end of the file.
+  if (!is_new && !std::filesystem::is_regular_file(there) && !std::filesystem::is_directory(there)) return {};
+  errno = 0;
+  if (!std::ofstream(path, std::ios::binary | std::ios::app))
+    return tl::unexpected(fmt::format("{}: cannot be written: {}", path, std::strerror(errno)));
+  if (is_new) std::filesystem::remove(std::filesystem::canonical(path, unknown), unknown);  // a link to it stays
+  return {};
 }
 
 }  // namespace skein::app

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <tl/expected.hpp>
@@ -14,5 +15,11 @@ tl::expected<void, std::string> check_is_file(const std::string& path);
 
 /// The contents of a text file of at most 64 MB; the problem says why it cannot be read.
 tl::expected<std::string, std::vector<Problem>> read_text(const std::string& path);
+
+/// Writes a whole file, or leaves what was there; the error names it.
+tl::expected<void, std::string> write_file(const std::string& path, std::string_view text);
+
+/// Whether a file could be written there; what is there stays as it is.
+tl::expected<void, std::string> check_can_write(const std::string& path);
 
 }  // namespace skein::app

@@ -40,8 +40,8 @@ constexpr Range between(double low, double high, const char* unit = "") {
 /// Headings and turns that a file may name: also a full turn that was rounded, such as 6.2832. [rad]
 inline constexpr double full_turn = 6.3;
 
-/// toml::parse(), which bounds no key: each part of a dotted one costs it stack, and some 30,000 of them its program.
-/// Throws toml::parse_error.
+/// toml::parse(), except that a key of very many parts is refused: each part takes the parser's stack. Throws
+/// toml::parse_error.
 toml::table parse_bounded(std::string_view text, const std::string& file);
 
 /// The document of a TOML text; if it is not TOML, the one problem that stopped the parser, with its place.

@@ -15,8 +15,6 @@
 #include <fstream>
 #include <utility>
 
-#include "app/experiment/file_change.h"
-
 extern char** environ;  // NOLINT: POSIX declares it nowhere
 
 namespace skein::app {
@@ -91,35 +89,6 @@ Done draw_figure(const std::string& directory, const std::string& name) {
   for (const auto& [kind, end] : {std::pair(".pdf", "%%EOF"), {".svg", "</svg>"}, {".png", "IEND"}})
     if (!has_its_end(fs::path(directory) / (name + kind), end))
       return tl::unexpected(fmt::format("gnuplot did not write all of {}{}: is the disk full?", name, kind));
-  return {};
-}
-
-Done write_file(const std::string& path, std::string_view text) {
-  std::error_code unknown;
-  const fs::path folder = fs::path(path).parent_path();
-  const bool can_be_new = folder.empty() || fs::is_directory(folder, unknown);
-  const bool is_new = fs::symlink_status(path, unknown).type() == fs::file_type::not_found;
-  if (is_new ? can_be_new : fs::is_regular_file(path, unknown))
-    if (auto change = FileChange::begin(path)) return change->save(text);
-  // A device, a pipe, a link to what is not there yet, or a file that may be changed in a folder that may not.
-  errno = 0;
-  std::ofstream out(path, std::ios::binary | std::ios::trunc);
-  out << text;
-  out.close();
-  if (out) return {};
-  return tl::unexpected(fmt::format("{}: cannot be written: {}", path, std::strerror(errno)));
-}
-
-Done check_can_write(const std::string& path) {
-  std::error_code unknown;
-  const fs::file_status there = fs::status(path, unknown);
-  const bool is_new = !fs::exists(there);
-  // Whoever reads from a FIFO would take the end of a test for the end of the file.
-  if (!is_new && !fs::is_regular_file(there) && !fs::is_directory(there)) return {};
-  errno = 0;
-  if (!std::ofstream(path, std::ios::binary | std::ios::app))
-    return tl::unexpected(fmt::format("{}: cannot be written: {}", path, std::strerror(errno)));
-  if (is_new) fs::remove(fs::canonical(path, unknown), unknown);  // a link to it stays
   return {};
 }
 

@@ -15,10 +15,4 @@ tl::expected<void, std::string> gnuplot(const std::string& directory, const char
 /// error also tells what gnuplot does not: that it could not write all of them.
 tl::expected<void, std::string> draw_figure(const std::string& directory, const std::string& name);
 
-/// Writes a whole file, or leaves what was there; the error names it.
-tl::expected<void, std::string> write_file(const std::string& path, std::string_view text);
-
-/// Whether a file could be written there; what is there stays as it is.
-tl::expected<void, std::string> check_can_write(const std::string& path);
-
 }  // namespace skein::app

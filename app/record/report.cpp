@@ -1,4 +1,5 @@
 #include "app/record/report.h"
+#include "app/experiment/text_file.h"
 
 #include <fmt/format.h>
 
@@ -38,9 +39,8 @@ Done check_report(const std::string& directory) {
   fs::create_directories(directory, error);
   if (error) return tl::unexpected(fmt::format("{}: cannot be made: {}", directory, error.message()));
   const fs::path probe = fs::path(directory) / ".skein-can-write-here";
-  if (Done written = write_file(probe, ""); !written)
+  if (!check_can_write(probe))
     return tl::unexpected(fmt::format("{}: cannot be written to: {}", directory, std::strerror(errno)));
-  fs::remove(probe, error);
   return gnuplot(directory, "--version");
 }
 

@@ -18,7 +18,6 @@
 #include "app/experiment/experiment_keys.h"
 #include "app/experiment/experiment_sets.h"
 #include "app/experiment/text_file.h"
-#include "app/record/gnuplot.h"
 #include "app/record/report.h"
 #include "app/run/version.h"
 #include "app/runs/machine.h"

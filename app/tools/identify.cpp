@@ -1,4 +1,5 @@
 #include "app/tools/identify.h"
+#include "app/experiment/text_file.h"
 
 #include <fmt/format.h>
 
