@@ -43,7 +43,8 @@ inline bool eventually(const std::function<bool()>& holds) {
   return QTest::qWaitFor(holds, deadline_ms);
 }
 
-/// Lets layouts come to rest, on a busy machine too: a change of one causes that of another in a later turn of the loop.
+/// Lets layouts come to rest, on a busy machine too: a change of one causes that of another in a later turn of the
+/// loop.
 inline void lay_out() {
   for (int turn = 0; turn < 10; ++turn) QTest::qWait(5);
 }
