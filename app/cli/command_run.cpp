@@ -176,6 +176,7 @@ int run(const RunRequest& request) {
                         const std::string& film) {
     if (const auto ended = kept->end(summary, {status, std::move(problems), film, {}, crops.all()}); !ended)
       complain(fmt::format("{}: the run is kept, but incomplete: {}", kept->folder(), ended.error()));
+    return kept->complete();
   };
   std::vector<std::string> for_crops;
   if (!request.crops.empty()) for_crops.push_back(request.crops);
@@ -230,7 +231,8 @@ int run(const RunRequest& request) {
   const RunVerdict verdict = verdict_of(summary, *experiment);
   for (const std::string& sentence : verdict.problems) complain(sentence);
   // Last, when all results are known.
-  if (kept) keep(summary, verdict.exit_status, verdict.problems, request.video);
+  if (kept && !keep(summary, verdict.exit_status, verdict.problems, request.video) && status_of_report == done)
+    status_of_report = device_failed;
   return verdict.exit_status != done ? verdict.exit_status : status_of_report;
 }
 

@@ -30,6 +30,10 @@ tl::expected<std::string, std::string> find_run(const std::string& word, const s
   for (fs::directory_iterator one(directory, error), end; !error && one != end; one.increment(error))
     if (is_run(one->path())) names.push_back(one->path().filename().string());
   std::sort(names.begin(), names.end());
+  const bool fits = std::any_of(names.begin(), names.end(), [&](const auto& name) { return name.starts_with(word); });
+  if (!fits && fs::is_directory(word, error))
+    return tl::unexpected(
+        fmt::format("{}: is not the folder of a kept run: it has no file {}", word, run_files::story));
   if (names.empty()) return tl::unexpected(fmt::format("{}: there is no run; {} has none", word, directory));
   std::vector<std::string> fitting;
   for (const std::string& name : names)

@@ -48,6 +48,8 @@ Done keep_copy(const fs::path& from, const fs::path& to) {
   fs::create_directories(to.parent_path(), error);
   fs::copy_file(from, to, fs::copy_options::overwrite_existing, error);
   if (!error) return {};
+  std::error_code ignored;
+  fs::remove(to, ignored);  // half of it would fill a full disk for nothing
   return tl::unexpected(fmt::format("{}: cannot be copied to {}: {}", from.string(), to.string(), error.message()));
 }
 
@@ -213,21 +215,14 @@ Done KeptRun::end(const Statistics::Summary& summary, const End& how) {
   const auto note = [&](Done done) {
     if (!done && complete) complete = std::move(done);
   };
-  Done possible = check_report(folder_);
-  std::error_code none_yet;
-  const bool recorded = fs::exists(folder / run_files::record, none_yet);  // a run that never began has no figures
-  if (possible && recorded)
-    note(write_report(folder_, experiment_, summary));
-  else {
-    note(write_file(folder / run_files::summary, as_json(summary) + '\n'));
-    note(std::move(possible));
-  }
+  note(write_file(folder / run_files::summary, as_json(summary) + '\n'));
   if (!how.film.empty()) {
     const std::vector<std::string> films = film_paths(experiment_, how.film);
     const std::vector<std::string> names = film_paths(experiment_, folder / run_files::film);
     for (std::size_t k = 0; k < films.size(); ++k) {
       std::error_code error;
-      fs::create_hard_link(films[k], names[k], error);  // another name of the same bytes, where that can be
+      const fs::path film = fs::canonical(films[k], error);     // a second name of a link would lead nowhere
+      if (!error) fs::create_hard_link(film, names[k], error);  // of the same bytes, where that can be
       if (error) note(keep_copy(films[k], names[k]));
     }
   }
@@ -241,11 +236,31 @@ Done KeptRun::end(const Statistics::Summary& summary, const End& how) {
   for (const TagCrop& crop : how.crops)
     story["not_seen"].push_back({{"robot", crop.robot + 1}, {"sentence", crop.sentence}, {"file", crop.file}});
   story["summary"] = summary_object(summary);
-  Json files = Json::object();
-  for (const std::string& name : files_of_run(folder_))
-    if (name != run_files::story) note(note_file(files, folder, name));
-  story["files"] = files;
-  note(write_file(folder / run_files::story, sealed(story)));
+  const auto write_story = [&](Json files) {
+    for (const std::string& name : files_of_run(folder_))
+      if (name != run_files::story && !files.contains(name)) note(note_file(files, folder, name));
+    story["files"] = std::move(files);
+    return write_file(folder / run_files::story, sealed(story));
+  };
+  Done written = write_story(Json::object());
+  complete_ = written.has_value();
+  note(std::move(written));
+  // Last: drawing takes a while, in which the program may be killed, and figures may fill the disk.
+  const Json without_figures = story["files"];
+  Done possible = check_report(folder_);
+  std::error_code none_yet;
+  const bool recorded = fs::exists(folder / run_files::record, none_yet);  // a run that never began has no figures
+  if (!possible || !recorded || !complete_)
+    note(std::move(possible));
+  else {
+    note(write_report(folder_, experiment_, summary));
+    if (Done with_figures = write_story(without_figures); !with_figures) {
+      note(std::move(with_figures));
+      for (const std::string& name : files_of_run(folder_))  // else they would not belong to the run
+        if (std::error_code ignored; name != run_files::story && !without_figures.contains(name))
+          fs::remove(folder / name, ignored);
+    }
+  }
   return complete;
 }
 

@@ -41,8 +41,10 @@ class KeptRun {
     std::vector<std::string> sets{};    ///< --set for what the operator changed during the run
     std::vector<TagCrop> crops{};       ///< tags that were not seen; their files are in the folder already
   };
-  /// Figures, film, summary and hashes. The error says what is missing; everything else is written.
+  /// Summary, film, hashes, and last the figures. The error says what is missing; everything else is written.
   tl::expected<void, std::string> end(const Statistics::Summary& summary, const End& how);
+  /// Whether run.json has the results and hashes, after end(): figures may be missing all the same.
+  bool complete() const noexcept { return complete_; }
 
  private:
   KeptRun(std::string folder, const Experiment& experiment, std::string head)
@@ -50,6 +52,7 @@ class KeptRun {
   std::string folder_;
   Experiment experiment_;
   std::string head_;  // run.json as it was written at the beginning
+  bool complete_ = false;
 };
 
 /// Removes the films of a run, one for each camera: the run's folder has copies.

@@ -207,7 +207,11 @@ std::map<std::string, RunValue> run_facts(const nlohmann::ordered_json& story) {
   for (const auto& [key, value] : story.items()) {
     const bool flat = key == "experiment" || key == "summary";  // their keys stand for themselves
     if (value.is_object() && key != "files" && key != "inputs")
-      for (const auto& [inner, part] : value.items()) add(flat ? inner : fmt::format("{}.{}", key, inner), part);
+      for (const auto& [inner, part] : value.items()) {
+        // The word none is written as null. In an experiment it is a value (no camera), in a summary there is none.
+        const bool is_word = part.is_null() && key == "experiment";
+        add(flat ? inner : fmt::format("{}.{}", key, inner), is_word ? nlohmann::ordered_json("none") : part);
+      }
     else if (key != seal)
       add(key, value);
   }

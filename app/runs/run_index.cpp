@@ -9,6 +9,7 @@
 #include <atomic>
 #include <cctype>
 #include <cerrno>
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -29,7 +30,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int schema_version = 5;
+constexpr int schema_version = 6;
 constexpr const char* schema =
     "CREATE TABLE run(number INTEGER PRIMARY KEY, id TEXT UNIQUE NOT NULL, changed INTEGER NOT NULL, size INTEGER NOT "
     "NULL, began INTEGER NOT NULL);"
@@ -450,6 +451,13 @@ struct RunIndex::State {
       Statement known(database, "SELECT julianday(?) IS NULL");
       known.bind(1, text.substr(0, size) + std::string(earliest.substr(size)) + text.substr(size)).row();
       good = known.whole(0) == 0;
+    }
+    if (good && size >= day) {  // SQLite takes the 30th of February for the 2nd of March
+      const auto number = [&](std::size_t from, std::size_t digits) { return std::stoi(text.substr(from, digits)); };
+      good = std::chrono::year_month_day{std::chrono::year(number(0, 4)),
+                                         std::chrono::month(static_cast<unsigned>(number(5, 2))),
+                                         std::chrono::day(static_cast<unsigned>(number(8, 2)))}
+                 .ok();
     }
     if (!good)
       return tl::unexpected(

@@ -31,9 +31,11 @@ using Step = Verification::Step;
 
 Step check_files(const std::string& folder, const Json& story) {
   Step step{"files", true, {}};
+  constexpr std::size_t most = 20;  // sentences
+  std::size_t failed = 0;
   const auto fail = [&](const std::string& sentence) {
-    if (step.holds) step.finding = sentence;
     step.holds = false;
+    if (++failed <= most) step.finding += (failed > 1 ? "; " : "") + sentence;
   };
   if (!story.contains("files") || !story["files"].is_object()) {
     fail("run.json names no files: the run did not finish");
@@ -62,6 +64,7 @@ Step check_files(const std::string& folder, const Json& story) {
     fail(fmt::format("{}: does not belong to the run: it is a link, a device or a FIFO",
                      one->path().lexically_relative(folder).string()));
   }
+  if (failed > most) step.finding += fmt::format("; and {} more files", failed - most);
   if (step.holds) step.finding = fmt::format("{} files have their hashes in run.json", known.size() - 1);
   return step;
 }

@@ -89,6 +89,67 @@ TEST(KeptRun, HasTheFilmOfEveryCamera) {
   EXPECT_TRUE(read_story(kept->folder()).value()["files"].contains("film-2.mkv"));
 }
 
+/// Whoever keeps films on a large disk has a link to it where the run is.
+TEST(KeptRun, HasTheFilmItselfWhereItsNameIsALink) {
+  const Folder place;
+  const Experiment experiment = paper_experiment();
+  std::filesystem::create_directories(place / "large");
+  std::ofstream(place / "large/film.mkv") << "the film";
+  std::filesystem::create_symlink("large/film.mkv", place / "lab.mkv");
+  auto kept = KeptRun::begin({place / "runs", {}, {}, {}, true, experiment.source}, experiment).value();
+  const auto ended = kept.end(Statistics(experiment).summary(), {0, {}, place / "lab.mkv"});
+  EXPECT_TRUE(ended) << ended.error();
+  EXPECT_EQ(read_file(kept.folder() + "/film.mkv"), "the film");
+  EXPECT_FALSE(std::filesystem::is_symlink(kept.folder() + "/film.mkv"));
+}
+
+/// In place of gnuplot a script, while one of these lives.
+class OtherGnuplot {
+ public:
+  OtherGnuplot(const Folder& place, const std::string& script) {
+    std::filesystem::create_directories(place / "bin");
+    std::ofstream(place / "bin/gnuplot") << "#!/bin/sh\n[ \"$1\" = --version ] && exit 0\n" << script;
+    std::filesystem::permissions(place / "bin/gnuplot", std::filesystem::perms::owner_all);
+    ::setenv("PATH", (place / "bin:" + before_).c_str(), 1);
+  }
+  ~OtherGnuplot() { ::setenv("PATH", before_.c_str(), 1); }
+  OtherGnuplot(const OtherGnuplot&) = delete;
+  OtherGnuplot& operator=(const OtherGnuplot&) = delete;
+
+ private:
+  const std::string before_ = getenv("PATH");
+};
+
+/// Drawing takes seconds on a busy machine, in which somebody closes the window.
+TEST(KeptRun, HasItsResultsBeforeItsFiguresAreDrawn) {
+  const Folder place;
+  const OtherGnuplot gnuplot(place, "cp run.json \"${0%/*}/seen.json\"\n");
+  const auto experiment = parse_experiment(text, "my.toml").value();
+  auto kept = KeptRun::begin({place / "runs", {}, {}, {}, true, text}, experiment).value();
+  std::ofstream(kept.csv()) << "the record";
+  EXPECT_FALSE(kept.end(Statistics(experiment).summary(), {})) << "this gnuplot draws nothing";
+  EXPECT_TRUE(kept.complete());
+  const auto seen = nlohmann::ordered_json::parse(read_file(place / "bin/seen.json"));
+  EXPECT_EQ(seen["state"], "finished");
+  EXPECT_TRUE(seen["summary"].contains("ticks"));
+  EXPECT_TRUE(seen["files"].contains("run.csv"));
+  EXPECT_TRUE(seen["files"].contains("summary.json"));
+  EXPECT_EQ(seal_holds(seen), true);
+}
+
+/// Figures can be drawn again, the results of a run cannot: a disk that is full of the ones still has the others.
+TEST(KeptRun, FiguresForWhichThereIsNoRoomAreLeftOutAndItsResultsAreThere) {
+  const Folder place;
+  const OtherGnuplot gnuplot(place, "rm run.json; mkdir run.json; : > figure3.svg\n");  // it cannot be written again
+  const auto experiment = parse_experiment(text, "my.toml").value();
+  auto kept = KeptRun::begin({place / "runs", {}, {}, {}, true, text}, experiment).value();
+  std::ofstream(kept.csv()) << "the record";
+  EXPECT_FALSE(kept.end(Statistics(experiment).summary(), {}));
+  EXPECT_TRUE(kept.complete());
+  EXPECT_EQ(files_of_run(kept.folder()),
+            (std::vector<std::string>{"experiment-as-written.toml", "experiment.toml", "run.csv", "summary.json"}));
+}
+
 TEST(KeptRun, HasAllThatItCameFromAndAllThatItGave) {
   const Folder folder;
   const std::string run = keep(folder, folder / "runs", text, {"controller.gains.k_xx=0.003"});
@@ -232,6 +293,18 @@ TEST(Verify, NamesWhicheverFileIsDamaged) {
     std::ofstream(path, std::ios::binary) << whole;
   }
   EXPECT_TRUE(verify_run(run)->holds());
+}
+
+TEST(Verify, NamesEachFileThatWasChanged) {
+  const Folder folder;
+  const std::string run = keep(folder, folder / "runs", text);
+  for (const char* const name : {"/summary.json", "/figure3.svg"}) std::ofstream(run + name, std::ios::app) << ' ';
+  std::filesystem::remove(run + "/figure4.png");
+  std::ofstream(run + "/mine.txt") << "a note";
+  const auto found = verify_run(run).value();
+  for (const char* const name : {"summary.json: was changed", "figure3.svg: was changed", "figure4.png: cannot be op",
+                                 "mine.txt: does not belong"})
+    EXPECT_NE(found.steps[1].finding.find(name), std::string::npos) << found.steps[1].finding;
 }
 
 /// Of a file elsewhere, the record does not follow, though its hash be right.

@@ -87,12 +87,26 @@ TEST(RunIndex, TimesAreComparedAsTimes) {
   EXPECT_EQ(found(index, "began >= 2026-11-03T12:00:00.000+01:00"), (Days{"3", "4"}));
   EXPECT_EQ(found(index, "began > 2026-11-03T10:30:00Z"), (Days{"3", "4"})) << "half an hour before 12:00+01:00";
   EXPECT_EQ(found(index, "began > 2026-11-03T13:30+02:00"), (Days{"4"}));
-  for (const char* const bad : {"2026-9-1", "yesterday", "01.11.2026", "11/01/2026", "2026-13-01", "2026-11-20T8:15",
-                                "2026-11-20T20:15+1", "2026-11-2", "''", "2026-11-20T20:15:00.0001"})
+  for (const char* const bad :
+       {"2026-9-1", "yesterday", "01.11.2026", "11/01/2026", "2026-13-01", "2026-11-20T8:15", "2026-11-20T20:15+1",
+        "2026-11-2", "''", "2026-11-20T20:15:00.0001", "2026-02-30", "2026-11-31T20:15", "2027-02-29T20:15:00Z"})
     EXPECT_NE(refusal(index, std::string("began < ") + bad).find("allowed: a date such as 2026-11-20"),
               std::string::npos)
         << bad;
   EXPECT_EQ(found(index, "began ~ '11-04'"), (Days{"4"}));
+  EXPECT_EQ(found(index, "began > 2024-02-29").size(), 4u) << "the control: a leap day";
+}
+
+/// camera.source = "none" says that there is no camera; run.json has it as null, as it has results that are none.
+TEST(RunIndex, TheWordNoneOfAnExperimentIsFound) {
+  FourRuns four;
+  keep_run(four.runs, "2026-11-05_120000_a",
+           R"({"experiment":{"camera.source":null},"summary":{"arrived":null,"collisions":0}})");
+  keep_run(four.runs, "2026-11-06_120000_a", R"({"experiment":{"camera.source":"synthetic"}})");
+  auto index = RunIndex::open(four.runs.path).value();
+  EXPECT_EQ(found(index, "camera.source = none"), (Days{"5"}));
+  EXPECT_EQ(found(index, "camera.source != none"), (Days{"6"}));
+  EXPECT_NE(refusal(index, "arrived = none").find("no run has such a key"), std::string::npos) << "the control";
 }
 
 TEST(RunIndex, ATextIsNoNumberAndIsRefusedWhereAllRunsHaveOne) {
@@ -320,6 +334,11 @@ TEST(RunFolder, IsFoundByNameBeginningPathAndLast) {
   EXPECT_NE(find_run("2026", four.runs.path).error().find("4 runs"), std::string::npos);
   EXPECT_FALSE(find_run("2027", four.runs.path));
   EXPECT_FALSE(find_run("../x", four.runs.path));
+  // Of a folder that was named, what it lacks is said, and not what is in that of all runs.
+  std::filesystem::create_directories(four.runs / "elsewhere/mine");
+  for (const std::string& runs : {four.runs.path, four.runs / "elsewhere"})
+    EXPECT_EQ(find_run(four.runs / "elsewhere/mine", runs).error(),
+              four.runs / "elsewhere/mine" + ": is not the folder of a kept run: it has no file run.json");
 }
 
 }  // namespace
