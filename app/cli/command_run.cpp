@@ -141,8 +141,10 @@ int run(const RunRequest& request) {
       return false;
     }
   };
-  for (const std::string& path :
-       {request.csv, request.report.empty() ? "" : (std::filesystem::path(request.report) / "run.csv").string()})
+  std::string of_report = request.report.empty() ? "" : request.report + "/run.csv";
+  // The report's own file, by two names: it is written once.
+  if (same_place(request.csv, of_report)) of_report.clear();
+  for (const std::string& path : {request.csv, of_report})
     if (!path.empty() && !record_to(path)) return wrong_input;
 
   std::unique_ptr<Publisher> publisher;

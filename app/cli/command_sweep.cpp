@@ -3,7 +3,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <sstream>
 #include <thread>
@@ -111,9 +113,14 @@ int sweep(const SweepRequest& request) {
     }
     std::error_code error;
     std::filesystem::create_directories(request.into, error);
+    if (error)
+      return complain(fmt::format("{}: cannot be written: {} cannot be made: {}", file, request.into, error.message())),
+             wrong_input;
+    if (std::filesystem::is_directory(file, error))
+      return complain(fmt::format("{}: cannot be written: it is a folder", file)), wrong_input;
     // Not the part's own name: another process may be making the same part.
-    if (const auto possible = check_table(fmt::format("{}.{}.draft", file, getpid()), *study); !possible)
-      return complain(possible.error()), wrong_input;
+    if (!check_can_write(fmt::format("{}.{}.draft", file, getpid())))
+      return complain(fmt::format("{}: cannot be written: {}", file, std::strerror(errno))), wrong_input;
   }
   if (const auto possible = check_table(request.csv, *study); !possible) return complain(possible.error()), wrong_input;
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "app/cli/command_line_studies.h"
+#include "app/cli/same_file.h"
 #include "app/experiment/text_file.h"
 #include "app/record/report.h"
 #include "app/run/exit_status.h"
@@ -35,6 +36,9 @@ int tune(const TuneRequest& request) {
   std::error_code unknown;
   if (!request.save.empty() && std::filesystem::exists(request.save, unknown))
     return complain(fmt::format("--save {}: there is such a file: name a new one", request.save)), wrong_input;
+  if (same_place(request.save, request.csv))
+    return complain(fmt::format("--save {}: is the file of --csv as well, allowed: another name", request.save)),
+           wrong_input;
   for (const std::string& path : {request.save, request.csv})
     if (const auto possible = check_table(path, *study); !possible) return complain(possible.error()), wrong_input;
 
@@ -68,7 +72,7 @@ int tune(const TuneRequest& request) {
   if (tuned->front.empty()) complain(verdict(*tuned));
   if (!request.csv.empty()) note(write_file(request.csv, as_csv(*study, *tuned)));
   if (!request.save.empty() && !tuned->front.empty())
-    note(experiment_with(*study, tuned->front[tuned->chosen]).and_then([&](const std::string& text) {
+    note(experiment_with(*study, tuned->front[tuned->chosen], request.save).and_then([&](const std::string& text) {
       return write_file(request.save, text);
     }));
   if (!request.report.empty()) note(write_front(request.report, *study, *tuned));

@@ -7,4 +7,7 @@ namespace skein::app {
 /// Whether both are names of one file, also through links; not if one of them is empty or names none.
 bool same_file(const std::string& a, const std::string& b);
 
+/// The same for files of which neither need be there yet.
+bool same_place(const std::string& a, const std::string& b);
+
 }  // namespace skein::app

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <utility>
@@ -10,6 +11,7 @@
 #include "app/experiment/toml_edit.h"
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
+#include "app/run/resources.h"
 #include "app/run/terminal_text.h"
 
 namespace skein::app {
@@ -45,6 +47,13 @@ std::optional<Changed> changed(const std::string& file, const KeyValues& values)
 }  // namespace
 
 bool can_save_keys(const std::string& file, const KeyValues& values) {
+  // A name becomes the path of an experiment that comes with Skein, which all users of the machine have.
+  if (const std::string shipped = resource_folder("experiments");
+      !shipped.empty() && file == (std::filesystem::path(shipped) / std::filesystem::path(file).filename()).string()) {
+    complain(fmt::format("{}: comes with Skein and is not changed, allowed with --save: the path of a copy of your own",
+                         file));
+    return false;
+  }
   return changed(file, values).has_value();
 }
 

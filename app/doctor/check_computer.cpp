@@ -140,6 +140,11 @@ Finding check_timing(const Machine& machine, double seconds) {
   std::string found =
       fmt::format("latency of bare threads (p50 / p99 / p99.9 / largest): ordinary {}", words(timing.bare));
   if (timing.priority > 0) found += fmt::format(", at real-time priority {}", words(timing.tick));
+  if (timing.priority <= 0 && !timing.no_priority.empty() && (machine.rtprio < 0 || machine.rtprio >= control_priority))
+    return {State::ill, subject,
+            fmt::format("{}; real-time priority is granted, and yet a thread does not get it: {}", found,
+                        timing.no_priority.substr(0, timing.no_priority.find(';'))),
+            "the control group or the container of this session withholds it: start in another session, or outside it"};
   const Histogram& best = timing.priority > 0 ? timing.tick : timing.bare;
   if (best.quantile(0.99) <= most && best.largest() <= 10.0 * most) return well(subject, found);
   return {State::ill, subject, found,

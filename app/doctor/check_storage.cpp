@@ -6,6 +6,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <system_error>
 
 #include "app/runs/run_index.h"
 
@@ -17,6 +18,13 @@ using State = Finding::State;
 
 constexpr double megabyte = 1e6;
 
+/// What helps against an error of writing; `otherwise` where the disk is not full.
+std::string remedy_for(const std::string& error, const char* otherwise) {
+  if (error.ends_with(std::strerror(ENOSPC))) return "make room: either bytes or files are used up (df -h, df -i)";
+  if (error.ends_with(std::strerror(EDQUOT))) return "remove files, or have your quota raised (quota -s)";
+  return otherwise;
+}
+
 Findings disk(const Machine& machine) {
   Findings result;
   const double free = machine.disk_free();
@@ -26,7 +34,8 @@ Findings disk(const Machine& machine) {
     result.push_back({State::ill, "disk space", found + ": a film takes 1 GB a minute, a CSV 3 MB", "make room"});
   const auto speed = machine.disk_speed();
   if (!speed)
-    result.push_back({State::ill, "disk", speed.error(), "start in a folder that you may write to"});
+    result.push_back(
+        {State::ill, "disk", speed.error(), remedy_for(speed.error(), "start in a folder that you may write to")});
   else if (const std::string found = fmt::format("writes {:.0f} MB/s here", *speed / megabyte); *speed >= 20 * megabyte)
     result.push_back(well("disk", found));
   else
@@ -44,15 +53,25 @@ Finding kept_runs(const Machine& machine) {
   // It need not exist: it is made with the first run.
   std::error_code error;
   fs::path place = fs::absolute(*directory, error);
-  while (!fs::exists(place, error) && place.has_relative_path()) place = place.parent_path();
+  while (!fs::exists(place, error) && place.has_relative_path()) {
+    if (error == std::errc::permission_denied)
+      return {State::ill, subject, fmt::format("{}: {} cannot be looked into", *directory, place.string()), elsewhere};
+    if (std::error_code ignored; fs::is_symlink(place, ignored))  // no folder can be made in its place
+      return {State::ill, subject,
+              fmt::format("{}: {} is a link to {}, which is not there", *directory, place.string(),
+                          fs::read_symlink(place, ignored).string()),
+              "mount or make what it leads to, or name another folder: SKEIN_RUNS, --runs-dir"};
+    place = place.parent_path();
+  }
   if (!fs::is_directory(place, error))
     return {State::ill, subject, fmt::format("{}: {} is no folder", *directory, place.string()), elsewhere};
   std::string probe = (place / ".skein-doctor-XXXXXX").string();
   const int file = ::mkostemp(probe.data(), O_CLOEXEC);
-  if (file < 0)
-    return {State::ill, subject,
-            fmt::format("{}: nothing can be written in {}: {}", *directory, place.string(), std::strerror(errno)),
-            elsewhere};
+  if (file < 0) {
+    const std::string why = std::strerror(errno);
+    return {State::ill, subject, fmt::format("{}: nothing can be written in {}: {}", *directory, place.string(), why),
+            remedy_for(why, elsewhere)};
+  }
   ::close(file);
   ::unlink(probe.c_str());
   const double free = machine.free_in(place.string());

@@ -204,6 +204,12 @@ void CsvReader::find_columns() {
 }
 
 tl::expected<Experiment, std::string> CsvReader::experiment() const {
+  // Without one the text is empty, and that of the paper's experiment: all that the file says would be about others.
+  if (head_.source.empty() && head_.hash.empty())
+    return tl::unexpected(
+        fmt::format("{}: there is no experiment before the header row, as in a copy by `skein export --to csv`, "
+                    "allowed: the CSV that `skein run --csv` wrote",
+                    file_));
   auto experiment = parse_experiment(head_.source, file_ + " (experiment)");
   if (!experiment) return tl::unexpected(experiment.error().front().message());
   if (experiment->robots.size() != robots_)

@@ -92,4 +92,11 @@ Done draw_figure(const std::string& directory, const std::string& name) {
   return {};
 }
 
+void remove_figure(const std::string& directory, const std::string& name) {
+  for (const char* const kind : {".gp", ".pdf", ".svg", ".png"}) {
+    std::error_code not_there;
+    fs::remove(fs::path(directory) / (name + kind), not_there);
+  }
+}
+
 }  // namespace skein::app

@@ -15,4 +15,8 @@ tl::expected<void, std::string> gnuplot(const std::string& directory, const char
 /// error also tells what gnuplot does not: that it could not write all of them.
 tl::expected<void, std::string> draw_figure(const std::string& directory, const std::string& name);
 
+/// Removes the figure of this name and its script that an earlier report left in a directory: the present one has none,
+/// and would seem to have that.
+void remove_figure(const std::string& directory, const std::string& name);
+
 }  // namespace skein::app

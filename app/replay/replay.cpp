@@ -152,7 +152,8 @@ tl::expected<ReplayResult, std::string> replay_into(std::istream& csv, const std
   if (!reader) return tl::unexpected(reader.error());
   const std::string& version = reader->head().version;
   const auto unreadable = [&](std::string why) {  // a newer version may write what this one does not know
-    if (version != SKEIN_VERSION) why += fmt::format("; recorded by skein {}, read by " SKEIN_VERSION, version);
+    if (!version.empty() && version != SKEIN_VERSION)
+      why += fmt::format("; recorded by skein {}, read by " SKEIN_VERSION, version);
     return tl::unexpected(std::move(why));
   };
   const auto experiment = reader->experiment();

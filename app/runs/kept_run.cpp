@@ -96,7 +96,13 @@ Done note_file(Json& files, const fs::path& folder, const std::string& name) {
 tl::expected<std::string, std::string> new_folder(const std::string& directory, const std::string& name) {
   std::error_code error;
   fs::create_directories(directory, error);
-  if (error) return tl::unexpected(fmt::format("{}: cannot be made: {}", directory, error.message()));
+  if (error) {
+    std::error_code no_link;
+    const fs::path target = fs::read_symlink(directory, no_link);  // of one that leads nowhere EEXIST tells nothing
+    return tl::unexpected(
+        fmt::format("{}: cannot be made: {}", directory,
+                    no_link ? error.message() : "it is a link to " + target.string() + ", which is no folder"));
+  }
   for (int number = 1;; ++number) {
     const std::string folder =
         (fs::path(directory) / (number == 1 ? name : fmt::format("{}-{}", name, number))).string();

@@ -217,8 +217,9 @@ tl::expected<Verification, std::string> verify_run(const std::string& folder) {
     result.steps.push_back(run_again(folder, csv));
   else
     result.notes.emplace_back(fmt::format("{}: it follows from its measurements and the operator's commands",
-                                          text_at(*story, "state") == "begun"
-                                              ? "the run did not finish"
+                                          text_at(*story, "state") == "begun" ? "the run did not finish"
+                                          : text_at(*story, "state") == "failed"
+                                              ? "the run failed"
                                               : "the run was in real time, or was stopped by hand"));
   // Another program may compute otherwise: then a difference is no sign of a changed record.
   const std::string kept_by =

@@ -196,6 +196,37 @@ std::string head(const Study& study, const Part& part) {
                      fingerprint(study), part.index, part.of);
 }
 
+/// A part's text, of any size: a part of a million runs took hours, and has hundreds of megabytes.
+tl::expected<std::string, std::string> read_part(const std::string& path) {
+  if (auto is_file = check_is_file(path); !is_file) return tl::unexpected(is_file.error());
+  errno = 0;
+  std::ifstream in(path, std::ios::binary | std::ios::ate);
+  std::string text(in ? static_cast<std::size_t>(in.tellg()) : 0, '\0');
+  in.seekg(0);
+  if (!in.read(text.data(), static_cast<std::streamsize>(text.size())))
+    return tl::unexpected(fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
+  return text;
+}
+
+/// Why a part with another head is not this one.
+std::string foreign(const std::string& text, const Study& study, const std::string& expected) {
+  if (text.empty()) return "it is empty";
+  if (expected.starts_with(text)) return "it is torn within its first lines";
+  const auto line = [](const std::string& of, std::size_t number) {
+    std::istringstream lines(of);
+    std::string found;
+    for (std::size_t k = 0; k <= number; ++k) std::getline(lines, found);
+    return found;
+  };
+  constexpr std::size_t program = 0, print = 2, place = 3;
+  if (line(text, program).starts_with("# skein ") && line(text, program) != line(expected, program))
+    return fmt::format("it was computed by {}, allowed: {}", line(text, program).substr(2),
+                       line(expected, program).substr(2));
+  if (line(text, print) == line(expected, print) && line(text, place).starts_with("# part "))
+    return fmt::format("it is {} of \"{}\"", line(text, place).substr(2), study.name);
+  return "it belongs to another study, other --runs, --seed or --set, or another program";
+}
+
 constexpr std::string_view last_line = "# hash: ";
 
 /// A part's last line, of all that stands before it.
@@ -310,15 +341,12 @@ tl::expected<void, std::string> save_part(const std::string& directory, const St
 
 tl::expected<Outcomes, std::string> load_part(const std::string& directory, const Study& study, const Part& part) {
   const std::string path = part_file(directory, part);
-  const auto text = read_text(path);
+  const auto text = read_part(path);
   std::error_code unknown;  // neither there nor not there, such as a name that is too long
   if (!text)
-    return tl::unexpected(fs::exists(path, unknown) || unknown ? text.error().front().message()
-                                                               : std::string("it is not there"));
+    return tl::unexpected(fs::exists(path, unknown) || unknown ? text.error() : std::string("it is not there"));
   const std::string expected = head(study, part);
-  if (!text->starts_with(expected))
-    return tl::unexpected(
-        fmt::format("{}: it belongs to another study, other --runs, --seed or --set, or another program", path));
+  if (!text->starts_with(expected)) return tl::unexpected(fmt::format("{}: {}", path, foreign(*text, study, expected)));
   const std::size_t end = text->rfind(last_line);
   if (end == std::string::npos || end == 0 || (*text)[end - 1] != '\n')
     return tl::unexpected(fmt::format("{}: it is torn: its last line, {}..., is missing", path, last_line));

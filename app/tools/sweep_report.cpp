@@ -142,7 +142,7 @@ Done draw_distributions(const fs::path& folder, const Study& study, const std::v
     from.push_back(fmt::format("{:.6g}", low));
     to.push_back(fmt::format("{:.6g}", high));
   }
-  if (labels.empty()) return {};
+  if (labels.empty()) return remove_figure(folder.string(), name), Done();
   std::string head = head_of(study, name, variants);
   head += fmt::format("figure = \"{}\"\npanels = {}\narray label_of[panels] = [{}]\narray from[panels] = [{}]\n", name,
                       labels.size(), quoted_list(labels), fmt::join(from, ", "));
@@ -187,7 +187,7 @@ Done draw_shares(const fs::path& folder, const Study& study, const std::vector<V
     }
     data += "\n\n";
   }
-  if (rows == 0) return {};
+  if (rows == 0) return remove_figure(folder.string(), "shares"), Done();
   if (Done done = write_file((folder / "shares.dat").string(), data); !done) return done;
   return draw(folder, "shares",
               head_of(study, "shares", variants) + fmt::format("rows = {}\nnames = \"{}\"\n\n", rows, names),
@@ -284,7 +284,7 @@ Done draw_worst(const fs::path& folder, const Study& study, const std::vector<Ru
     obstacles.push_back(discs);
     width = experiment->arena_width, height = experiment->arena_height;
   }
-  if (files.empty()) return {};
+  if (files.empty()) return remove_figure(folder.string(), "worst"), Done();
   std::string head =
       fmt::format("# Study \"{}\", drawn by skein {}. To draw it again, edit this and run: gnuplot worst.gp\n",
                   study.name, SKEIN_VERSION);

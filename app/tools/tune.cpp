@@ -217,10 +217,17 @@ class Tuner {
     ++tuned_.candidates;
     const std::vector<std::string> sets = sets_of(tune_, point);
     const auto margin = certify_all(sets);
-    if (!margin) return ++tuned_.uncertified, refused;
+    const auto uncertified = [&](double its_cost, const std::string& why) {
+      if (tuned_.uncertified++ == 0)
+        tuned_.first_uncertified = fmt::format("{}: {}", fmt::join(sets, " "), why.substr(0, why.find(":\n")));
+      return its_cost;
+    };
+    if (!margin) return uncertified(refused, margin.error());
     point.delay_margin = *margin;
     if (*margin < delay_margin_ * (1.0 - 1e-9))
-      return ++tuned_.uncertified, short_margin + (delay_margin_ - *margin) / delay_margin_;
+      return uncertified(
+          short_margin + (delay_margin_ - *margin) / delay_margin_,
+          fmt::format("its delay margin is {:.4g} s, allowed: at least {:.4g} s", *margin, delay_margin_));
     const auto merits = run(sets);
     if (!merits) return refused;
     point.searched = *merits;
@@ -371,7 +378,8 @@ std::vector<std::string> sets_of(const Study::Tune& tune, const TunedPoint& poin
   return sets;
 }
 
-tl::expected<std::string, std::string> experiment_with(const Study& study, const TunedPoint& point) {
+tl::expected<std::string, std::string> experiment_with(const Study& study, const TunedPoint& point,
+                                                       const std::string& file) {
   std::string text = study.text;
   for (std::size_t i = 0; i < point.values.size(); ++i) {
     auto changed = with_toml_value(text, study.tune->search[i].first, fmt::format("{}", point.values[i]));
@@ -379,7 +387,12 @@ tl::expected<std::string, std::string> experiment_with(const Study& study, const
       return tl::unexpected(fmt::format("{}: {}: {}", study.experiment, study.tune->search[i].first, changed.error()));
     text = std::move(*changed);
   }
-  return text;
+  const auto folder = [](const std::string& of) { return std::filesystem::absolute(of).parent_path(); };
+  if (std::error_code unknown; std::filesystem::equivalent(folder(file), folder(study.experiment), unknown))
+    return text;
+  auto whole = whole_text(text, study.experiment);
+  if (!whole) return tl::unexpected(whole.error().front().message());
+  return *std::move(whole);
 }
 
 std::string as_table(const Study& study, const Tuned& tuned) {
@@ -431,8 +444,12 @@ std::string as_csv(const Study& study, const Tuned& tuned) {
 }
 
 std::string verdict(const Tuned& tuned) {
-  if (tuned.front.empty())
-    return "no candidate is certified, within the constraints and not dominated by the experiment's own gains";
+  if (tuned.front.empty()) {
+    const std::string none =
+        "no candidate is certified, within the constraints and not dominated by the experiment's own gains";
+    if (tuned.candidates == 0 || tuned.uncertified < tuned.candidates) return none;
+    return fmt::format("{}: none is certified. The first is {}", none, tuned.first_uncertified);
+  }
   std::vector<std::size_t> better;
   for (std::size_t i = 0; i < tuned.front.size(); ++i)
     if (tuned.front[i].better_in_both(tuned.own)) better.push_back(i + 1);
@@ -468,10 +485,15 @@ tl::expected<void, std::string> write_front(const std::string& directory, const 
   if (done) done = write_file((folder / "front.csv").string(), as_csv(study, tuned));
   if (done) done = write_file((folder / "front.gp").string(), head + std::string(embedded::front_gp));
   for (std::size_t i = 0; done && i < tuned.front.size(); ++i) {
-    const auto text = experiment_with(study, tuned.front[i]);
+    const std::string file = (folder / fmt::format("point-{}.toml", i + 1)).string();
+    const auto text = experiment_with(study, tuned.front[i], file);
     if (!text) return tl::unexpected(text.error());
-    done = write_file((folder / fmt::format("point-{}.toml", i + 1)).string(), *text);
+    done = write_file(file, *text);
   }
+  // An earlier search may have found more.
+  for (std::size_t i = tuned.front.size() + 1; done; ++i)
+    if (std::error_code error; !std::filesystem::remove(folder / fmt::format("point-{}.toml", i), error)) break;
+  if (done && tuned.front.empty()) remove_figure(directory, "front");
   if (done && !tuned.front.empty()) done = draw_figure(directory, "front");
   return done;
 }

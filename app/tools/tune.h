@@ -45,6 +45,7 @@ struct Tuned {
   std::size_t chosen = 0;
   std::int64_t runs = 0, candidates = 0;
   std::int64_t uncertified = 0;   ///< candidates that `skein check` would refuse, or with too small a delay margin
+  std::string first_uncertified;  ///< the first of them, and why; empty: there is none
   std::int64_t unaffordable = 0;  ///< those that took more of the actuators than is allowed, or collided
 };
 
@@ -66,8 +67,10 @@ std::int64_t most_runs(const Study& study);
 /// "key=value" of every searched key, as for --set.
 std::vector<std::string> sets_of(const Study::Tune& tune, const TunedPoint& point);
 
-/// The text of the study's experiment file with the values of a point, otherwise as it was written.
-tl::expected<std::string, std::string> experiment_with(const Study& study, const TunedPoint& point);
+/// The text of the study's experiment file with the values of a point, otherwise as it was written. For a file in
+/// another folder it has what it takes from files beside the experiment's: there, their names would lead nowhere.
+tl::expected<std::string, std::string> experiment_with(const Study& study, const TunedPoint& point,
+                                                       const std::string& file);
 
 /// The control and the front as a table for people, and as CSV: doubles as the shortest text that reads back to the
 /// same bits.

@@ -55,7 +55,9 @@ Pty::~Pty() {
 
 DeviceNames::DeviceNames(std::string directory) : directory_(std::move(directory)) {
   if (!directory_.empty()) {
-    made_ = std::filesystem::create_directories(directory_);
+    std::error_code error;
+    made_ = std::filesystem::create_directories(directory_, error);
+    if (error) refuse(error.value(), directory_ + " cannot be made");
     return;
   }
   directory_ = (std::filesystem::temp_directory_path() / "skein-robots-XXXXXX").string();
@@ -78,9 +80,11 @@ void DeviceNames::point(std::size_t robot, const std::string& device) {
   const std::string path = name(robot), fresh = path + ".new";
   if (std::filesystem::exists(std::filesystem::symlink_status(path)) && !std::filesystem::is_symlink(path))
     refuse(EEXIST, path);
-  std::filesystem::remove(fresh);
-  std::filesystem::create_symlink(device, fresh);
-  std::filesystem::rename(fresh, path);
+  std::error_code error;
+  std::filesystem::remove(fresh, error);
+  if (!error) std::filesystem::create_symlink(device, fresh, error);
+  if (!error) std::filesystem::rename(fresh, path, error);
+  if (error) refuse(error.value(), path + " cannot be made");
   pointed_ = std::max(pointed_, robot + 1);
 }
 

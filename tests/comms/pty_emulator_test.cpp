@@ -102,6 +102,16 @@ TEST(PtyEmulator, NamesAreMadeInADirectoryAndTakenAwayAgain) {
   std::filesystem::remove_all(directory);
 }
 
+TEST(PtyEmulator, ADirectoryThatCannotBeIsNamed) {
+  try {
+    PtyEmulator(
+        {MotorModel::epuck2}, nullptr, [] { return 0.0; }, "/proc/none/robots");
+    ADD_FAILURE() << "it cannot be made";
+  } catch (const std::system_error& error) {
+    EXPECT_EQ(std::string(error.what()), "/proc/none/robots cannot be made: No such file or directory");
+  }
+}
+
 TEST(Emulate, RunsUntilItIsTold) {
   const std::string directory =
       std::filesystem::temp_directory_path() / ("skein-emulate-" + std::to_string(::getpid()));

@@ -17,6 +17,7 @@
 #include "app/experiment/experiment_file.h"
 #include "app/record/csv_writer.h"
 #include "app/run/exit_status.h"
+#include "app/run/resources.h"
 #include "app/session/session.h"
 #include "comms/emulator/pty_emulator.h"
 #include "comms/link_supervisor.h"
@@ -42,6 +43,15 @@ class KnownRobotsCommands : public ::testing::Test {
 
   fs::path directory;
 };
+
+/// `--save` of an experiment by its name would change it for all users of the machine.
+TEST_F(KnownRobotsCommands, NothingIsSavedInAnExperimentThatComesWithSkein) {
+  const std::string shipped = find_resource("experiments", "platoon-loopback");
+  ASSERT_TRUE(fs::exists(shipped)) << shipped;
+  EXPECT_FALSE(can_save_keys(shipped, {{"camera.latency", "0.0300"}}));
+  fs::copy_file(shipped, path("mine.toml"));
+  EXPECT_TRUE(can_save_keys(path("mine.toml"), {{"camera.latency", "0.0300"}})) << "the control";
+}
 
 /// Each reads the file, changes its robot in it and writes it, again and again: what it has written stays.
 TEST_F(KnownRobotsCommands, NothingIsLostOfWhatTwoProgramsSaveAtTheSameTime) {

@@ -5,6 +5,8 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 
 #include "app/calibration/calibration_file.h"
@@ -136,6 +138,38 @@ const Fault faults[] = {
     {"RunsCannotBeWritten", State::ill, "kept runs: /proc/self/runs: nothing can be written in /proc/",
      [](Patient& p) {
        p.machine.runs_directory = []() -> tl::expected<std::string, std::string> { return "/proc/self/runs"; };
+     }},
+    {"LinkToRunsLeadsNowhere", State::ill, "/runs is a link to /nowhere/lab, which is not there -> mount or make",
+     [](Patient& p) { fs::create_symlink("/nowhere/lab", p.folder / "runs"); }},
+    {"FolderOfTheRunsFolderLeadsNowhere", State::ill,
+     "/data is a link to /nowhere, which is not there -> mount or make",
+     [](Patient& p) {
+       fs::create_symlink("/nowhere", p.folder / "data");
+       p.machine.runs_directory = [&p]() -> tl::expected<std::string, std::string> {
+         return (p.folder / "data/skein/runs").string();
+       };
+     }},
+    {"NoMoreFiles", State::ill, "No space left on device -> make room: either bytes or files are used up",
+     [](Patient& p) {
+       p.machine.disk_speed = []() -> tl::expected<double, std::string> {
+         return tl::unexpected(std::string("nothing can be written here (/lab): ") + std::strerror(ENOSPC));
+       };
+     }},
+    {"QuotaIsUsedUp", State::ill, "have your quota raised",
+     [](Patient& p) {
+       p.machine.disk_speed = []() -> tl::expected<double, std::string> {
+         return tl::unexpected(std::string("nothing can be written here (/lab): ") + std::strerror(EDQUOT));
+       };
+     }},
+    {"PriorityWithheldThoughGranted", State::ill,
+     "real-time priority is granted, and yet a thread does not get it: Operation not permitted",
+     [](Patient& p) {
+       p.machine.keep_time = [](double) {
+         Timing timing = Patient::late(60e-6);
+         timing.priority = 0;
+         timing.no_priority = "Operation not permitted";
+         return timing;
+       };
      }},
     {"NoRoomForRuns", State::ill, "/runs: 0.3 GB free",
      [](Patient& p) { p.machine.free_in = [](const std::string&) { return 0.3e9; }; }},

@@ -406,6 +406,12 @@ TEST_F(Mistakes, FiguresThatCannotBeDrawnHideNoResult) {
   EXPECT_THAT(said, HasSubstr("expect.min_distance"));
 }
 
+TEST_F(Mistakes, TheRecordOfTheReportMayBeNamedAsThatOfTheRun) {
+  EXPECT_EQ(shell("$skein run e.toml --duration 2 --csv ./r/run.csv --report r --set 'expect={}'"), 0) << said;
+  EXPECT_EQ(shell("$skein run e.toml --duration 2 --csv ./r/run.csv --report r --set 'expect={}'"), 2);
+  EXPECT_THAT(said, HasSubstr("r/run.csv: already exists"));
+}
+
 TEST_F(Mistakes, AFigureThatGnuplotCouldNotWriteIsMissed) {
   write("gnuplot", "#!/bin/sh\n[ \"$1\" = --version ] || printf '%%PDF-' > figure3.pdf\n");  // as on a full disk
   EXPECT_EQ(shell("chmod +x gnuplot; PATH=\"$PWD:$PATH\"; $skein run e.toml --duration 2 --report r"), 2);
@@ -477,6 +483,14 @@ TEST_F(Mistakes, WhereResultsGoIsCheckedBeforeTheWorkAndLosesNothing) {
   EXPECT_THAT(said, HasSubstr("nowhere/rows.csv: cannot be written: No such file or directory"));
   EXPECT_EQ(shell("$skein sweep s.toml --part 1/2 --into /proc/nowhere" + endless), 2);
   EXPECT_THAT(said, HasSubstr("/proc/nowhere/part-1-of-2.csv"));
+  for (const char* place : {"/proc/nowhere", "/proc/self"}) {
+    EXPECT_EQ(shell(std::string("$skein sweep s.toml --part 1/2 --into ") + place + endless), 2);
+    EXPECT_THAT(said, AllOf(HasSubstr("/part-1-of-2.csv: cannot be written: "), Not(HasSubstr("draft"))));
+  }
+  EXPECT_EQ(shell("mkdir -p full/part-1-of-2.csv; $skein sweep s.toml --part 1/2 --into full" + endless), 2);
+  EXPECT_THAT(said, HasSubstr("full/part-1-of-2.csv: cannot be written: it is a folder"));
+  EXPECT_EQ(shell("$skein tune s.toml --save both.toml --csv ./both.toml --quiet"), 2);
+  EXPECT_THAT(said, HasSubstr("--save both.toml: is the file of --csv as well"));
   for (const char* command : {"sweep", "tune"})
     for (const char* file : {"s.toml", "./e.toml"}) {
       EXPECT_EQ(shell(std::string("$skein ") + command + " s.toml --csv " + file + endless), 2) << command << out;

@@ -96,6 +96,18 @@ TEST_F(Parts, OfAnotherStudyAreRefused) {
   EXPECT_EQ(shell("$skein --runs 2 --set controller.k_y=9 --merge parts 2> said.txt"), 1);
   EXPECT_THAT(read("said.txt"), HasSubstr("to another study, other --runs, --seed or --set, or another program"));
   EXPECT_EQ(shell("$skein --runs 2 --merge parts --quiet 2> said.txt"), 0) << read("said.txt");
+  // Of one part that is wrong, what is wrong with it.
+  const auto said_of = [&](const std::string& change) {
+    EXPECT_EQ(shell("rm -rf p; cp -r parts p; " + change + "; $skein --runs 2 --merge p 2> said.txt"), 1);
+    return read("said.txt");
+  };
+  EXPECT_THAT(said_of("cp p/part-1-of-2.csv p/part-2-of-2.csv"),
+              HasSubstr("p/part-2-of-2.csv: it is part 1 of 2 of \""));
+  EXPECT_THAT(said_of(": > p/part-2-of-2.csv"), HasSubstr("p/part-2-of-2.csv: it is empty: skein sweep"));
+  EXPECT_THAT(said_of("head -c 60 parts/part-2-of-2.csv > p/part-2-of-2.csv"),
+              HasSubstr("torn within its first lines"));
+  EXPECT_THAT(said_of("sed -i '1s/.*/# skein 0.0.9 (abc)/' p/part-2-of-2.csv"),
+              HasSubstr("p/part-2-of-2.csv: it was computed by skein 0.0.9 (abc), allowed: skein "));
   EXPECT_EQ(shell("$skein --runs 2 --part 1/3 --into parts --quiet && $skein --runs 2 --merge parts 2> said.txt"), 2);
   EXPECT_THAT(read("said.txt"), HasSubstr("use a folder for each"));
   EXPECT_EQ(shell("$skein --merge nowhere 2> said.txt"), 2);

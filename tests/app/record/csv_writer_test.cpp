@@ -181,6 +181,17 @@ TEST(CsvReader, NoticesAnExperimentThatSomebodyEdited) {
   EXPECT_FALSE(CsvReader::open(in, "run.csv")->head().intact);
 }
 
+/// A copy without the lines before the header row is not one of the paper's experiment.
+TEST(CsvReader, WithoutAnExperimentThereIsNone) {
+  const std::string text = csv(robots(4), {});
+  std::istringstream in(text), plain(text.substr(text.find("\nt,") + 1));
+  EXPECT_EQ(CsvReader::open(plain, "run.plain.csv")->experiment().error(),
+            "run.plain.csv: there is no experiment before the header row, as in a copy by `skein export --to csv`, "
+            "allowed: the CSV that `skein run --csv` wrote");
+  std::istringstream empty(csv(robots(4, ""), {}));
+  EXPECT_TRUE(CsvReader::open(empty, "run.csv")->experiment()) << "the control: one whose text is empty";
+}
+
 TEST(CsvReader, FindsCellsByName) {
   std::istringstream in(csv(robots(2), {numbered(2)}));
   auto reader = CsvReader::open(in, "run.csv");

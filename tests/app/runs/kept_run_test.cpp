@@ -199,12 +199,21 @@ TEST(Verify, SaysOfARunThatWasKilledThatItDidNotFinish) {
   EXPECT_TRUE(holds(found, "commands"));
   ASSERT_EQ(found.notes.size(), 1u);
   EXPECT_TRUE(found.notes[0].starts_with("the run did not finish: ")) << found.notes[0];
+  // Nor has anybody stopped one whose disk became full.
+  story["state"] = "failed";
+  std::ofstream(run + "/run.json") << sealed(story);
+  EXPECT_TRUE(verify_run(run)->notes.at(0).starts_with("the run failed: "));
 }
 
 TEST(KeptRun, ADirectoryThatCannotBeMadeIsSaid) {
   const auto kept = KeptRun::begin({"/proc/none", "", {}, {}, false}, paper_experiment());
   ASSERT_FALSE(kept);
   EXPECT_NE(kept.error().find("/proc/none"), std::string::npos);
+  // The lab's disk is not mounted.
+  const Folder folder;
+  std::filesystem::create_symlink("/nowhere/runs", folder / "runs");
+  EXPECT_EQ(KeptRun::begin({folder / "runs", "", {}, {}, false}, paper_experiment()).error(),
+            folder / "runs" + ": cannot be made: it is a link to /nowhere/runs, which is no folder");
 }
 
 TEST(KeptRun, HasTheFilesOfAControllerOfOnesOwn) {

@@ -18,7 +18,9 @@
 #include "app/record/report.h"
 #include "app/run/tick_record.h"
 #include "app/session/session.h"
+#include "app/tools/outcome_file.h"
 #include "app/tools/sweep_report.h"
+#include "tests/app/folder.h"
 #include "tests/files.h"
 #include "tests/places.h"
 
@@ -446,6 +448,29 @@ TEST_F(StudyText, ValuesThatAreAllTheSameAreDrawn) {
     EXPECT_TRUE(drawn) << drawn.error();
     EXPECT_EQ(std::filesystem::exists(folder + "/times.pdf"), runs.front().failure.empty());
   }
+  // The same in the folder of an earlier report: its figures would seem to be those of this one.
+  Outcomes outcomes;
+  outcomes.study = {run};
+  EXPECT_TRUE(write_sweep_report(folder, *study, outcomes));
+  EXPECT_TRUE(std::filesystem::exists(folder + "/worst.svg")) << "the control";
+  outcomes.study = {failed};
+  EXPECT_TRUE(write_sweep_report(folder, *study, outcomes));
+  for (const char* const earlier : {"/times.pdf", "/distances.png", "/shares.svg", "/worst.gp"})
+    EXPECT_FALSE(std::filesystem::exists(folder + earlier)) << earlier;
+}
+
+/// A million runs in a few parts: hundreds of megabytes each, which took hours.
+TEST(OutcomeFile, APartIsReadHoweverLargeItIs) {
+  const test::Folder folder;
+  Study study;
+  study.seed = 1, study.runs = 1;
+  Outcomes outcomes;
+  outcomes.study.emplace_back().seed = 1;
+  outcomes.study.back().failure = std::string((std::size_t{64} << 20) + 1, 'x');
+  ASSERT_TRUE(save_part(folder.path, study, {1, 1}, outcomes));
+  const auto read = load_part(folder.path, study, {1, 1});
+  ASSERT_TRUE(read) << read.error();
+  EXPECT_EQ(read->study.at(0).failure.size(), outcomes.study[0].failure.size());
 }
 
 TEST(SweepReport, IntervalsAreThoseOfTheTextbook) {

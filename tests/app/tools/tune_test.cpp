@@ -13,6 +13,7 @@
 #include "app/experiment/certificate.h"
 #include "app/experiment/experiment_file.h"
 #include "app/record/report.h"
+#include "tests/app/folder.h"
 #include "tests/files.h"
 #include "tests/places.h"
 
@@ -21,6 +22,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 const auto go_on = [](std::int64_t) { return true; };
 
@@ -107,7 +109,7 @@ TEST(Tune, EveryPointOfTheFrontIsWhatItSays) {
       EXPECT_FALSE(q.searched.formation <= p.searched.formation && q.searched.tracking <= p.searched.tracking &&
                    (q.searched.formation < p.searched.formation || q.searched.tracking < p.searched.tracking));
     // Its experiment file has its numbers, and `skein check` is content with it.
-    const auto text = experiment_with(study, p);
+    const auto text = experiment_with(study, p, "tuned.toml");
     ASSERT_TRUE(text) << text.error();
     const auto experiment = parse_experiment(*text, "tuned.toml");
     ASSERT_TRUE(experiment) << experiment.error().front().message();
@@ -162,6 +164,9 @@ TEST(Tune, KeepsItsConstraints) {
   const Tuned never = with("effort = 1e6\nlimited_share = 1.0\ndelay_margin = 9.0\n");
   EXPECT_EQ(never.uncertified, 20);
   EXPECT_EQ(never.runs, 3 + 1) << "what is not certified does not run";
+  EXPECT_THAT(verdict(never), HasSubstr("none is certified. The first is controller."));
+  EXPECT_THAT(verdict(never), HasSubstr("s, allowed: at least 9 s"));
+  EXPECT_THAT(verdict(slow), Not(HasSubstr("The first is"))) << "some were";
   // Without numbers they are the experiment's own.
   for (const Tuned& own = with(""); const TunedPoint& p : own.tried) {
     EXPECT_GE(p.delay_margin, own.own.delay_margin * (1.0 - 1e-9));
@@ -169,6 +174,31 @@ TEST(Tune, KeepsItsConstraints) {
     EXPECT_LE(p.searched.effort, own.own.searched.effort * (1.0 + 1e-9));
     EXPECT_EQ(p.searched.collisions, 0);
   }
+}
+
+/// An hour's search must not end with a file that cannot be read.
+TEST(Tune, ThePointOfAnExperimentWithOtherFilesIsReadWhereverItIsSaved) {
+  const test::Folder lab;
+  std::filesystem::create_directories(lab / "found");
+  std::ofstream(lab / "place.csv") << "t,x,y\n0,0,0\n10,0.5,0\n";
+  std::ofstream(lab / "e.toml") << "# mine\nreference.kind = \"independent\"\n[controller]\nk_y = 9 # stiff\n"
+                                   "[[robot]]\ntrajectory = { csv = \"place.csv\" }\n";
+  Study study;
+  study.experiment = lab / "e.toml";
+  study.text = test::read_file(study.experiment);
+  study.tune.emplace();
+  study.tune->search = {{"controller.k_y", {4.0, 12.0}}};
+  TunedPoint point;
+  point.values = {5.0};
+  for (const std::string& file : {lab / "tuned.toml", lab / "found/tuned.toml"}) {
+    const auto text = experiment_with(study, point, file);
+    ASSERT_TRUE(text) << text.error();
+    EXPECT_THAT(*text, AllOf(HasSubstr("# mine\n"), HasSubstr("k_y = 5 # stiff")));
+    std::ofstream(file) << *text;
+    const auto experiment = load_experiment(file);
+    EXPECT_TRUE(experiment) << experiment.error().front().message();
+  }
+  EXPECT_THAT(test::read_file(lab / "tuned.toml"), HasSubstr("\"place.csv\"")) << "beside it the names still hold";
 }
 
 TEST(Tune, EndsWhenItIsTold) {
@@ -191,6 +221,16 @@ TEST(Tune, DrawsTheFront) {
     EXPECT_GT(std::filesystem::file_size(folder / (std::string("front") + kind)), 3000U) << kind;
   EXPECT_EQ(test::read_file(folder / "front.csv"), as_csv(study, *tuned));
   EXPECT_TRUE(load_experiment((folder / "point-1.toml").string()));
+  // Of an earlier search that found more nothing is left: it would seem to be of this one.
+  Tuned none = *tuned;
+  none.front.clear();
+  for (const char* const earlier : {"point-2.toml", "point-3.toml"})
+    std::filesystem::copy_file(folder / "point-1.toml", folder / earlier,
+                               std::filesystem::copy_options::overwrite_existing);
+  EXPECT_TRUE(write_front(folder.string(), study, none));
+  for (const char* const earlier : {"point-1.toml", "point-3.toml", "front.svg", "front.gp"})
+    EXPECT_FALSE(std::filesystem::exists(folder / earlier)) << earlier;
+  EXPECT_TRUE(std::filesystem::exists(folder / "front.csv")) << "the control";
   std::filesystem::remove_all(folder);
 }
 
