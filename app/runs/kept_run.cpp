@@ -1,5 +1,6 @@
 #include "app/runs/kept_run.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <toml++/toml.h>
@@ -43,14 +44,35 @@ std::string slug(const std::string& name) {
   return result.empty() ? "run" : result;
 }
 
+/// std::filesystem's copy_file says of a full disk that it has an input/output error.
 Done keep_copy(const fs::path& from, const fs::path& to) {
+  if (auto is_file = check_is_file(from.string()); !is_file) return is_file;
   std::error_code error;
   fs::create_directories(to.parent_path(), error);
-  fs::copy_file(from, to, fs::copy_options::overwrite_existing, error);
-  if (!error) return {};
-  std::error_code ignored;
-  fs::remove(to, ignored);  // half of it would fill a full disk for nothing
-  return tl::unexpected(fmt::format("{}: cannot be copied to {}: {}", from.string(), to.string(), error.message()));
+  const auto failed = [&] {
+    const int why = errno;
+    return tl::unexpected(
+        fmt::format("{}: cannot be copied to {}: {}", from.string(), to.string(), std::strerror(why)));
+  };
+  const int in = ::open(from.c_str(), O_RDONLY | O_CLOEXEC);
+  if (in < 0) return failed();
+  const int out = ::open(to.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  Done done;
+  std::vector<char> block(std::size_t{1} << 20);
+  if (out < 0) done = failed();
+  for (ssize_t size = 1; done && size > 0;) {
+    size = ::read(in, block.data(), block.size());
+    if (size < 0) done = failed();
+    for (ssize_t written = 0; done && written < size;)
+      if (const ssize_t more = ::write(out, block.data() + written, static_cast<std::size_t>(size - written)); more > 0)
+        written += more;
+      else
+        done = failed();
+  }
+  if (out >= 0 && ::close(out) != 0 && done) done = failed();
+  ::close(in);
+  if (!done && out >= 0) fs::remove(to, error);  // half of it would fill a full disk for nothing
+  return done;
 }
 
 /// A number as one, true and false as such, all else as a text.

@@ -5,6 +5,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cstdlib>
@@ -167,6 +168,23 @@ TEST_F(KnownRobots, AChangeThatIsNotSavedLeavesTheFileAndNothingElse) {
   { ASSERT_TRUE(FileChange::begin(file)); }
   EXPECT_FALSE(fs::exists(file + ".new"));
   EXPECT_TRUE(load_known_robots(file));
+}
+
+/// That of a lab, which its group may change, and one that nobody else may read.
+TEST_F(KnownRobots, AFileThatIsSavedAgainHasTheRightsThatItHad) {
+  const std::string file = path("robots.toml");
+  for (const int mode : {0664, 0600, 0640}) {
+    fs::permissions(file, static_cast<fs::perms>(mode));
+    ASSERT_TRUE(save(file, robots_text));
+    EXPECT_EQ(static_cast<int>(fs::status(file).permissions()), mode);
+  }
+  if (::geteuid() != 0) return;
+  constexpr uid_t anna = 12345;
+  ASSERT_EQ(::chown(file.c_str(), anna, anna), 0);
+  ASSERT_TRUE(save(file, robots_text));
+  struct stat saved {};
+  ASSERT_EQ(::stat(file.c_str(), &saved), 0);
+  EXPECT_EQ(saved.st_uid, anna) << "sudo skein robots pair --save";
 }
 
 TEST_F(KnownRobots, WhatWasMeasuredGoesIntoTheirTables) {

@@ -1,7 +1,11 @@
 #include "app/runs/run_keeper.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <stdlib.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <csignal>
 #include <filesystem>
@@ -223,6 +227,32 @@ TEST(RunKeeper, AFullDiskEndsTheRecordAndNotTheRun) {
   EXPECT_EQ(story["summary"]["ticks"], 1500) << "the results are those of the whole run";
   const std::string problems = story["problems"].dump();
   EXPECT_NE(problems.find("the record of the run is not complete: "), std::string::npos) << problems;
+}
+
+/// Between two disks a film is copied. Of one that does not fit nothing stays, and the reason is that of the disk.
+TEST(RunKeeper, AFilmForWhichThereIsNoRoomIsSaidAndTakesNone) {
+  const Folder place;
+  std::string other = "/dev/shm/skein-film-XXXXXX";
+  struct stat here {};
+  struct stat there {};
+  const int film = ::mkstemp(other.data());
+  if (film < 0 || ::fstat(film, &there) != 0 || ::stat(place.path.c_str(), &here) != 0 || here.st_dev == there.st_dev)
+    GTEST_SKIP() << "there is no other disk";
+  EXPECT_EQ(::ftruncate(film, 1'000'000), 0);
+  ::close(film);
+  const Experiment experiment = seconds(1);
+  RunKeeper keeper;
+  ASSERT_TRUE(keeper.begin({place / "runs", {}, {}, {}, true, experiment.source}, experiment));
+  SessionFacts facts;
+  EXPECT_EQ(run(experiment, keeper, facts), Phase::finished);
+  {
+    const SmallDisk disk(500'000);
+    EXPECT_EQ(keeper.end(facts, other).error(),
+              fmt::format("{}: cannot be copied to {}/film.mkv: File too large", other, keeper.folder()));
+  }
+  std::filesystem::remove(other);
+  EXPECT_FALSE(std::filesystem::exists(keeper.folder() + "/film.mkv"));
+  EXPECT_EQ(read_story(keeper.folder()).value()["state"], "finished");
 }
 
 TEST(RunKeeper, APlaceThatCannotBeWrittenIsSaid) {
