@@ -8,6 +8,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <string_view>
 
 namespace skein::app {
@@ -223,7 +224,11 @@ std::string completions(const CLI::App& program, const std::vector<std::string>&
   const auto add_values = [&](const CLI::Option& option, const std::string& name) {
     std::optional<std::vector<Candidate>> known;
     if (values) known = values(name, typed);
-    if (known) found.insert(found.end(), known->begin(), known->end());
+    // What the shell would give back as another word: names of two lines (each line is a candidate), or of an option.
+    const auto cannot_be = [](const Candidate& one) {
+      return one.word.starts_with('-') || one.word.find_first_of("\n\t") != std::string::npos;
+    };
+    if (known) std::remove_copy_if(known->begin(), known->end(), std::back_inserter(found), cannot_be);
     const std::vector<std::string> allowed = allowed_words(option);
     for (const std::string& word : allowed) found.push_back({word, {}});
     files = allowed.empty() && (!known || !name.starts_with("-"));

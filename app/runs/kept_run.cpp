@@ -6,6 +6,7 @@
 #include <toml++/toml.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
@@ -73,6 +74,21 @@ Done keep_copy(const fs::path& from, const fs::path& to) {
   ::close(in);
   if (!done && out >= 0) fs::remove(to, error);  // half of it would fill a full disk for nothing
   return done;
+}
+
+/// A file that holds room for the results while the run goes on: its record, or its film, may fill the disk.
+constexpr const char* reserve = ".room";
+
+void hold_room(const fs::path& folder) {
+  // run.json and summary.json, each beside its draft: of 64 robots, or, where there is too little for that, of a few.
+  constexpr std::array<off_t, 2> rooms{256 << 10, 32 << 10};  // [bytes]
+  const fs::path file = folder / reserve;
+  const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+  if (descriptor < 0) return;
+  const bool held =
+      std::any_of(rooms.begin(), rooms.end(), [&](off_t room) { return ::posix_fallocate(descriptor, 0, room) == 0; });
+  ::close(descriptor);
+  if (std::error_code ignored; !held) fs::remove(file, ignored);
 }
 
 /// A number as one, true and false as such, all else as a text.
@@ -234,6 +250,7 @@ tl::expected<KeptRun, std::string> KeptRun::begin(const KeepRequest& request, co
     fs::remove_all(folder, ignored);  // nothing began
     return tl::unexpected(written.error());
   }
+  hold_room(folder);
   return KeptRun(folder.string(), experiment, std::move(begun));
 }
 
@@ -243,6 +260,8 @@ Done KeptRun::end(const Statistics::Summary& summary, const End& how) {
   const auto note = [&](Done done) {
     if (!done && complete) complete = std::move(done);
   };
+  std::error_code none_held;
+  fs::remove(folder / reserve, none_held);
   note(write_file(folder / run_files::summary, as_json(summary) + '\n'));
   if (!how.film.empty()) {
     const std::vector<std::string> films = film_paths(experiment_, how.film);

@@ -32,7 +32,8 @@ class Manual : public testing::Test {
                                     {"avoidance.kind=", "how"},
                                     {"avoidance.kind=plan", {}},
                                     {"avoidance.kind=field", {}}}};
-                         if (name == "experiment") return {{{"platoon", {}}, {"parking", {}}}};
+                         if (name == "experiment")
+                           return {{{"platoon", {}}, {"parking", {}}, {"pa\nlast", {}}, {"--yes", {}}}};
                          return {};
                        });
   }
@@ -127,6 +128,8 @@ TEST_F(Manual, CompletesValues) {
   EXPECT_EQ(after({"run", "--speed", ""}), "max\t\nrealtime\t\n");
   EXPECT_EQ(after({"run", "--quiet", "pl"}), "@files\nplatoon\t\n") << "a flag takes no value";
   EXPECT_EQ(after({"run", "--speed", "max", "pa"}), "@files\nparking\t\n");
+  EXPECT_EQ(after({"run", ""}), "@files\nplatoon\t\nparking\t\n")
+      << "what the shell would take for other words is left out";
   EXPECT_EQ(after({"run", "platoon", "pa"}), "") << "there is one experiment";
   EXPECT_EQ(after({"run", "--set", "avo"}), "avoidance.kind=\thow\n") << "keys first";
   EXPECT_EQ(after({"run", "--set", "avoidance.kind="}), "avoidance.kind=plan\t\navoidance.kind=field\t\n");

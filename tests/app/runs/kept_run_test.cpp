@@ -137,6 +137,19 @@ TEST(KeptRun, HasItsResultsBeforeItsFiguresAreDrawn) {
   EXPECT_EQ(seal_holds(seen), true);
 }
 
+/// However its record fills the disk.
+TEST(KeptRun, HoldsRoomForItsResultsWhileItGoesOn) {
+  const Folder place;
+  const auto experiment = parse_experiment(text, "my.toml").value();
+  auto kept = KeptRun::begin({place / "runs", {}, {}, {}, true, text}, experiment).value();
+  struct stat room {};
+  ASSERT_EQ(::stat((kept.folder() + "/.room").c_str(), &room), 0);
+  EXPECT_GE(room.st_blocks * 512, 200'000) << "on the disk, not a hole";
+  std::ofstream(kept.csv()) << "the record";
+  (void)kept.end(Statistics(experiment).summary(), {});  // this record cannot be drawn
+  EXPECT_FALSE(std::filesystem::exists(kept.folder() + "/.room"));
+}
+
 /// Figures can be drawn again, the results of a run cannot: a disk that is full of the ones still has the others.
 TEST(KeptRun, FiguresForWhichThereIsNoRoomAreLeftOutAndItsResultsAreThere) {
   const Folder place;
