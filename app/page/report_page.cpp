@@ -5,7 +5,10 @@
 #include <stdlib.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -135,8 +138,17 @@ class Workshop {
     sigemptyset(&endings);
     for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&endings, signal);
     pthread_sigmask(SIG_BLOCK, &endings, &before_);
-    std::string name = (fs::temp_directory_path() / "skein-page-XXXXXX").string();
-    if (::mkdtemp(name.data())) path_ = name;
+    std::error_code unknown;
+    const char* const asked = std::getenv("TMPDIR");
+    place_ = fs::temp_directory_path(unknown).string();
+    if (unknown) place_ = asked != nullptr ? std::string("TMPDIR, ") + asked : "/tmp";  // it is no folder
+    std::string name = unknown ? std::string() : place_ + "/skein-page-XXXXXX";
+    if (unknown)
+      why_ = unknown.message();
+    else if (::mkdtemp(name.data()))
+      path_ = name;
+    else
+      why_ = std::strerror(errno);
   }
   ~Workshop() {
     std::error_code ignored;
@@ -146,10 +158,13 @@ class Workshop {
   Workshop(const Workshop&) = delete;
   Workshop& operator=(const Workshop&) = delete;
   const fs::path& path() const noexcept { return path_; }
+  /// Why there is none, where the path is empty.
+  std::string problem() const { return fmt::format("no folder for them can be made in {}: {}", place_, why_); }
 
  private:
   sigset_t before_{};
   fs::path path_;
+  std::string place_, why_;
 };
 
 std::string read_file(const fs::path& path) {
@@ -162,7 +177,7 @@ std::string read_file(const fs::path& path) {
 tl::expected<std::string, std::string> figures(std::istream& csv, std::uint64_t whole_bytes,
                                                const Experiment& experiment, const Statistics::Summary& summary) {
   const Workshop workshop;
-  if (workshop.path().empty()) return tl::unexpected(std::string("no folder for figures can be created"));
+  if (workshop.path().empty()) return tl::unexpected(workshop.problem());
   csv.clear();
   csv.seekg(0);
   std::ofstream copy(workshop.path() / "run.csv", std::ios::binary);

@@ -524,8 +524,11 @@ tl::expected<RunIndex, std::string> RunIndex::open(const std::string& directory,
   state->directory = directory;
   state->patience = patience;
   std::error_code error;
-  if (!fs::is_directory(directory, error))
+  if (!fs::is_directory(directory, error)) {
+    if (error && error != std::errc::no_such_file_or_directory && error != std::errc::not_a_directory)
+      return tl::unexpected(fmt::format("{}: cannot be read: {}", directory, error.message()));
     return tl::unexpected(fmt::format("{}: there is no such directory: no run has been kept there", directory));
+  }
   const std::string file = (fs::path(directory) / ".index.sqlite").string();
   std::string why;
   bool unwritable = false;

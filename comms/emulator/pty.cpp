@@ -60,7 +60,10 @@ DeviceNames::DeviceNames(std::string directory) : directory_(std::move(directory
     if (error) refuse(error.value(), directory_ + " cannot be made");
     return;
   }
-  directory_ = (std::filesystem::temp_directory_path() / "skein-robots-XXXXXX").string();
+  std::error_code error;
+  const std::filesystem::path place = std::filesystem::temp_directory_path(error);
+  if (error) refuse(error.value(), "the folder for temporary files, TMPDIR or /tmp");
+  directory_ = (place / "skein-robots-XXXXXX").string();
   if (::mkdtemp(directory_.data()) == nullptr) refuse(errno, directory_);
   made_ = true;
 }

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 
@@ -346,6 +347,21 @@ TEST(Doctor, SwitchesOnTheAdaptersThatAreOff) {
       for (const std::string& word : command)
         if (word.starts_with("/org/bluez/")) switched.push_back(word);
   EXPECT_EQ(switched, (std::vector<std::string>{"/org/bluez/hci1", "/org/bluez/hci2"}));
+}
+
+/// A run is guarded all the same: its marker goes to another place.
+TEST(Doctor, AStateDirectoryThatCannotBeWrittenDoesNotTakeTheGuard) {
+  const char* const before = std::getenv("XDG_STATE_HOME");
+  const std::string home = before != nullptr ? before : "";
+  ::setenv("XDG_STATE_HOME", "/proc/nowhere", 1);
+  const Machine here = this_machine();
+  Patient patient;
+  patient.machine.guard = here.guard;
+  patient.machine.marker_elsewhere = here.marker_elsewhere;
+  const std::vector<std::string> lines = patient.complaints();
+  before != nullptr ? ::setenv("XDG_STATE_HOME", home.c_str(), 1) : ::unsetenv("XDG_STATE_HOME");
+  ASSERT_EQ(lines.size(), 1u) << testing::PrintToString(lines);
+  EXPECT_TRUE(lines[0].starts_with("note  guard: can be started; /proc/nowhere/skein")) << lines[0];
 }
 
 TEST(Doctor, LooksAtTheMachineItRunsOn) {

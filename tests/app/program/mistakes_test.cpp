@@ -685,6 +685,15 @@ TEST_F(Mistakes, APageBesideTheRecordOfAKeptRunBelongsToIt) {
   EXPECT_THAT(out, HasSubstr("story: FAILS"));
 }
 
+TEST_F(Mistakes, WithoutAFolderForTemporaryFilesItIsNamed) {
+  EXPECT_EQ(shell("$skein run e.toml --set duration=1 --csv run.csv --quiet --set 'expect={}'"), 0) << said;
+  EXPECT_EQ(shell("TMPDIR=/nowhere $skein report run.csv --html"), 0) << said;
+  EXPECT_THAT(said, HasSubstr("the page has no figures: no folder for them can be made in TMPDIR, /nowhere: "));
+  EXPECT_TRUE(exists("run.html"));
+  EXPECT_EQ(shell("TMPDIR=/nowhere $skein emulate"), 3);
+  EXPECT_THAT(said, HasSubstr("emulate: the folder for temporary files, TMPDIR or /tmp: "));
+}
+
 TEST_F(Mistakes, APageThatIsInterruptedLeavesNothing) {
   EXPECT_EQ(shell("$skein run e.toml --set duration=1 --csv run.csv --quiet && mkdir tmp bin"), 0) << said;
   for (const char* signal : {"INT", "TERM"}) {

@@ -314,6 +314,15 @@ TEST(RunIndex, AnExpectationIsNotTakenForAResult) {
   EXPECT_EQ(index.find(parse_query("expect.final_error < 1").value(), {})->size(), 1u);
 }
 
+/// What may not be looked into has runs, maybe.
+TEST(RunIndex, OfADirectoryThatCannotBeReadTheReasonIsSaid) {
+  const Folder folder;
+  std::filesystem::create_symlink("runs", folder / "runs");  // this stops root as well
+  EXPECT_EQ(RunIndex::open(folder / "runs").error(),
+            folder / "runs" + ": cannot be read: Too many levels of symbolic links");
+  EXPECT_NE(RunIndex::open(folder / "none").error().find("no run has been kept there"), std::string::npos);
+}
+
 /// A run.json from elsewhere: what is nested so deep cannot be written, since that recurses.
 TEST(RunIndex, ARunJsonThatIsNestedTooDeepIsNamed) {
   FourRuns four;
