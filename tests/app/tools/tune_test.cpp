@@ -186,7 +186,7 @@ TEST(Tune, ThePointOfAnExperimentWithOtherFilesIsReadWhereverItIsSaved) {
   Study study;
   study.experiment = lab / "e.toml";
   study.text = test::read_file(study.experiment);
-  study.tune.emplace();
+  study.tune = Study::Tune{};
   study.tune->search = {{"controller.k_y", {4.0, 12.0}}};
   TunedPoint point;
   point.values = {5.0};
