@@ -450,8 +450,10 @@ void Planner::step(const Scene& scene, const Gains& gains, double dt, std::span<
       const bool by_hand = distance(pose, robot.before) > put_elsewhere;
       const double far = at_rest && rests(i, scene) ? pushed_off_place : by_hand ? put_elsewhere : held_back;
       if (away > far + 2.0 * scene.doubt) robot.needs_plan = true;
-    } else if (robot.state != State::waiting && away > 2.0 * put_elsewhere + 2.0 * scene.doubt) {
+    } else if (away > 2.0 * put_elsewhere + 2.0 * scene.doubt) {
       robot.needs_plan = true;
+      // The law would drive it straight back to where it waited, through whatever is in between.
+      if (robot.state == State::waiting) wait_here(i, pose);
     }
     // A way to a moving place is planned for a time: a robot that is late for it would meet others there.
     const bool late = robot.state == State::driving && !rests(i, scene) && lag(i) > too_late;

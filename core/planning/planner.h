@@ -186,6 +186,7 @@ class Planner {
   bool let_all_give_way() noexcept;
   bool improve(const Scene& scene) noexcept;
   void wait_for_a_way(std::size_t i) noexcept;
+  void wait_here(std::size_t i, const Pose& pose) noexcept;
   void end_group(const Scene& scene) noexcept;
   void improve_on_the_way(const Scene& scene, std::span<const ReferencePoint> nominal) noexcept;
   bool begin_improvement(const Scene& scene) noexcept;

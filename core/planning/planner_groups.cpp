@@ -124,6 +124,22 @@ void Planner::wait_for_a_way(std::size_t i) noexcept {
   robot.retry = now_ + robot.patience;
 }
 
+/// A hand moved robot i while it stood without a plan: it is planned from there at once. A group that is being planned
+/// took it as where it was, and begins anew.
+void Planner::wait_here(std::size_t i, const Pose& pose) noexcept {
+  Robot& robot = robots_[i];
+  robot.route.stand(pose);
+  robot.clock = robot.retry = robot.patience = 0.0;
+  robot.reference = {pose, {}};
+  Group& g = group_;
+  if (!g.active || !g.member[i]) return;
+  for (const std::size_t j : g.order) {
+    robots_[j].needs_plan = true;
+    if (g.give_way) robots_[j].gives_way = false;  // nobody has done so yet
+  }
+  g.active = false;
+}
+
 void Planner::begin_search(std::size_t i, const Pose& from, double begins, const Scene& scene) noexcept {
   RouteSearch::Query query;
   query.robot = i;

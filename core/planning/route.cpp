@@ -55,11 +55,13 @@ void Route::stop_at(double t, const Pace& pace) noexcept {
   if (size_ == 0) return;
   Segment& last = segments_[size_ - 1];
   if (last.amount == 0.0) last.duration = std::min(last.duration, t - last.t);  // it waits
-  if (last.kind != Segment::Kind::drive || t >= last.t + last.duration || size_ == segments_.size()) return;
-  last.duration = t - last.t;
+  // A drive that was cut off before ends at full speed if its braking began at this very time and is left out.
+  const double until = std::min(t - last.t, last.duration);
+  if (last.kind != Segment::Kind::drive || until >= last.travel.duration() || size_ == segments_.size()) return;
+  last.duration = until;
   Segment brakes;
   brakes.kind = Segment::Kind::roll;
-  brakes.t = t;
+  brakes.t = last.t + until;
   brakes.from = at(last, last.duration);
   brakes.v = last.travel.at(last.duration).v;
   brakes.duration = stop_time(brakes.v, pace);

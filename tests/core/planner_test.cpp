@@ -68,6 +68,7 @@ struct Scene {
   Who jammed;                                                          // as stuck, and nobody knows
   std::function<double(double t)> doubt = [](double) { return 0.0; };  // of poses [m]
   Who unseen;                                                          // out, but only because they are not seen
+  std::function<void(double t, std::vector<Pose>& poses)> hand;        // moves robots
 };
 
 /// The sixth robot, from `from` until `until` [s].
@@ -93,6 +94,7 @@ struct Outcome {
   int longest_planning = 0;  // of ticks in a row
   // Of those that are stuck, at the end of that: whether they are told to drive, and the others are at their places.
   bool told = false, others_there = false;
+  double most_astray = 0.0;  // from a robot to its reference [m]
   std::vector<Pose> last;
 };
 
@@ -124,6 +126,7 @@ Outcome run(const Scene& scene) {
   for (int k = 0; k * dt < scene.duration; ++k) {
     const double t = k * dt;
     scene.lines.core::Reference::at(t, nominal);
+    if (scene.hand) scene.hand(t, poses);
     if (scene.out) out = scene.out(n, t);
     if (scene.unseen) out = unseen = scene.unseen(n, t);
     if (scene.stuck) stuck = scene.stuck(n, t);
@@ -137,6 +140,7 @@ Outcome run(const Scene& scene) {
     for (std::size_t i = 0; i < n; ++i) {
       if (planner.no_way(i) && !o.no_way) o.no_way_at = t;
       o.no_way = o.no_way || planner.no_way(i);
+      o.most_astray = std::max(o.most_astray, core::distance(followed[i].pose, poses[i]));
       if (k > 0) o.jump = std::max(o.jump, core::distance(followed[i].pose, awaited[i]));
       awaited[i] = core::advance(followed[i].pose, followed[i].twist, dt);
       for (std::size_t j = 0; j < i; ++j)
@@ -266,6 +270,29 @@ TEST(Route, StopsOnItsWay) {
       EXPECT_LE(std::abs(route.twist(at + tick, tick).v - route.twist(at, tick).v), 1.001 * pace.acceleration * tick);
     }
     EXPECT_LE(route.at(route.duration()).driven, whole.at(t).driven + 0.5 * pace.v * pace.v / pace.acceleration + 1e-9);
+  }
+}
+
+/// Stopped twice at the same time, it lost its braking: the reference stood still at once, at full speed.
+TEST(Route, BrakesAlsoIfItIsStoppedTwiceAtTheSameTime) {
+  const core::Pace pace;
+  Route once;
+  once.stand({});
+  const std::array<Leg, 1> leg{{{0.5, 0.0, 1.0, 0.0}}};
+  ASSERT_TRUE(once.append(leg, 0.0, pace));
+  for (int step = 11; 0.1 * step < once.duration(); ++step) {
+    const double t = 0.1 * step;
+    Route route = once;
+    route.stop_at(t, pace);
+    Route twice = route;
+    twice.stop_at(t, pace);
+    EXPECT_DOUBLE_EQ(twice.duration(), route.duration()) << t;
+    EXPECT_EQ(twice.end(), route.end()) << t;
+    constexpr double tick = 1e-3;
+    for (int k = 0; k * tick < route.duration(); ++k) {
+      const double at = k * tick;
+      ASSERT_LE(std::abs(twice.twist(at + tick, tick).v - twice.twist(at, tick).v), 1.001 * pace.acceleration * tick);
+    }
   }
 }
 
@@ -941,6 +968,39 @@ TEST(Planner, NobodyGivesWayToOneThatHasNoWayAlone) {
   EXPECT_TRUE(o.no_way);
   EXPECT_LT(core::distance(o.last[1], scene.starts[1]), 0.01);
   EXPECT_LT(core::distance(o.last[2], scene.starts[2]), 0.01);
+}
+
+/// One that stands since there is no way to its place kept the reference where it had stood, and the law drove it back
+/// there at full speed, straight and planned by nobody.
+TEST(Planner, WhoIsMovedByAHandWhileItHasNoWayIsNotDrivenBack) {
+  Scene scene;
+  scene.starts = {{0.6, 0.0, 0.0}};
+  scene.lines.add(scene.starts[0], {-0.1, 0.0, 0.0});
+  dead_end(scene);
+  wall(scene, -0.3, -0.25, -0.3, 0.25);
+  scene.hand = [](double t, std::vector<Pose>& poses) {
+    if (std::abs(t - 10.0) < 1e-9) poses[0] = {-0.7, 0.5, 1.0};
+  };
+  scene.duration = 16.0;
+  const Outcome o = run(scene);
+  EXPECT_TRUE(o.no_way);
+  EXPECT_LT(o.most_astray, 0.03);
+  EXPECT_LT(o.fastest_change, 0.03);
+  EXPECT_LT(core::distance(o.last[0], Pose{-0.7, 0.5, 0.0}), 0.15);
+}
+
+/// The same while all are being planned: routes began where it had been.
+TEST(Planner, WhoIsMovedByAHandWhileItIsPlannedIsPlannedFromThere) {
+  for (const double when : {0.0, 0.12, 0.24, 0.36}) {
+    Scene scene = crowd(20, 3);
+    scene.hand = [when](double t, std::vector<Pose>& poses) {
+      if (std::abs(t - when) < 1e-9) poses[4] = {0.94, -0.69, 1.0};
+    };
+    const Outcome o = run(scene);
+    EXPECT_GT(o.arrived, 0.0) << when;
+    EXPECT_LT(o.most_astray, 0.06) << when;
+    EXPECT_LT(o.fastest_change, 0.06) << when;
+  }
 }
 
 TEST(Planner, WhoHadNoPlaceGoesThereOnceItIsFree) {
