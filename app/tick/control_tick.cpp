@@ -608,8 +608,9 @@ Hindrance TickState::hindrance(std::size_t i) const noexcept {
 /// Says who comes no nearer to its place, and whose body is over the edge of the arena.
 void TickState::watch_progress() noexcept {
   for (const Event& event : record.events) {
-    const bool elsewhere = is<events::Perturb, events::Kidnap, events::Move, events::Kick>(event);
-    if (const auto robot = robot_of(event); elsewhere && robot) progress.restart(*robot);
+    // One that is released has begun anew: what was said of it while it was held says nothing of what holds it up now.
+    const bool anew = is<events::Perturb, events::Kidnap, events::Move, events::Kick, events::Release>(event);
+    if (const auto robot = robot_of(event); anew && robot) progress.restart(*robot);
     if (is<events::Start>(event))
       for (std::size_t i = 0; i < robots(); ++i) progress.restart(i);
   }
@@ -622,11 +623,15 @@ void TickState::watch_progress() noexcept {
     const double away = core::distance(poses[i], nominal[i].pose);
     // Beside an obstacle on its lane a robot is abreast of its place, and nothing keeps it from it.
     if (planner && planner->state(i) == core::Planner::State::passing) progress.restart(i);
-    const bool to_its_end = record.phase != Phase::staging && ends[i];
+    const bool to_start = record.phase == Phase::staging, to_its_end = !to_start && ends[i];
     // Beside its route it is held up, and does not wait.
     const double from_wait = followed[i].twist == core::Twist{} ? core::distance(poses[i], followed[i].pose) : none;
-    const core::ProgressWatch::Away how_far{away, to_its_end ? core::distance(poses[i], *ends[i]) : none,
-                                            planner ? planner->time_left(i) : none, poses[i], from_wait};
+    const core::ProgressWatch::Away how_far{away,
+                                            to_its_end ? core::distance(poses[i], *ends[i]) : none,
+                                            planner ? planner->time_left(i) : none,
+                                            poses[i],
+                                            from_wait,
+                                            !to_start && !ends[i]};
     if (!moving() || std::isnan(away) || !progress.stuck(i, how_far, motion_dt)) continue;
     note(events::NoProgress{i, away, hindrance(i)});
   }

@@ -22,6 +22,8 @@ constexpr double good_enough = 1.12;  // against the longest of the robots' stra
 constexpr double slowest = 0.005;     // who is slower stands [m/s]
 constexpr double at_place = 0.005;    // who is so near is there [m]
 constexpr double horizon = 45.0;      // of places that move [s]
+constexpr double pressed_on = 0.012;  // who is so far from its reference has been held back or pushed on [m]
+constexpr double back_within = 4.0;   // who has been pushed on is expected to take so long to its place [s]
 
 }  // namespace
 
@@ -42,6 +44,9 @@ void Planner::expect(std::size_t j, const Scene& scene, std::span<const Referenc
   }
   const double most = rest_from_[j] < never ? std::max(0.0, rest_from_[j] - formation_t_) + 0.2 : horizon;
   traffic_.follows(j, {*reference_, scene.t, std::min(most, Traffic::step * Traffic::steps)});
+  // The shield may have pushed it on, for one that wants to pass: a route past where it should be would do so again.
+  if (!rests(j, scene) && distance(pose, nominal[j].pose) > pressed_on + 2.0 * scene.doubt)
+    traffic_.shift(j, pose.x - nominal[j].pose.x, pose.y - nominal[j].pose.y, back_within);
 }
 
 /// Before anybody has moved: whose nominal ways to rest meet.
@@ -102,8 +107,11 @@ Planner::Start Planner::begin_route(std::size_t i, const Scene& scene) noexcept 
   const bool on_route = robot.state == State::waiting || (robot.state == State::driving && rests(i, scene));
   const Pose on = on_route ? robot.route.at(robot.clock).pose : robot.reference.pose;
   const double v = std::abs(scene.commands[i].v) < slowest ? 0.0 : scene.commands[i].v;
+  // One that the shield holds back on its way to a place that drives on would press on without end, from a reference
+  // that is always past what holds it back.
+  const double near = rests(i, scene) ? put_elsewhere : pressed_on + 2.0 * scene.doubt;
   const bool tracks =
-      v != 0.0 && distance(pose, on) < put_elsewhere && std::abs(wrap_angle(pose.theta - on.theta)) < looks_elsewhere;
+      v != 0.0 && distance(pose, on) < near && std::abs(wrap_angle(pose.theta - on.theta)) < looks_elsewhere;
   const Pose from = tracks ? on : pose;
   robot.route.brake(from, v, paces_[i]);
   group_.from[i] = robot.route.end();

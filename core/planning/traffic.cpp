@@ -24,6 +24,14 @@ void Traffic::leaves(std::size_t j, double seconds) noexcept {
   still_from_[j] = first;
 }
 
+void Traffic::shift(std::size_t j, double x, double y, double seconds) noexcept {
+  for (std::size_t k = 0; k < steps && step * static_cast<double>(k) < seconds; ++k) {
+    const double share = 1.0 - step * static_cast<double>(k) / seconds;
+    x_[j * steps + k] += share * x;
+    y_[j * steps + k] += share * y;
+  }
+}
+
 void Traffic::drives(std::size_t j, const Route& route, double clock) noexcept {
   present_[j] = true;
   const double end = route.duration();

@@ -44,6 +44,8 @@ class Traffic {
   void follows(std::size_t j, const Timetable& timetable) noexcept;
   /// Follows its reference, beside it for a while.
   void follows(std::size_t j, const Timetable& timetable, const Sidestep& aside) noexcept;
+  /// Is beside what was expected, by so much now [m], and back there within `seconds`.
+  void shift(std::size_t j, double x, double y, double seconds) noexcept;
   /// Drives a route from the route's time `clock` on, which meets its place at `joins` [s]: then it follows its
   /// reference.
   void joins(std::size_t j, const Route& route, double clock, double joins, const Timetable& timetable) noexcept;

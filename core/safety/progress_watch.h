@@ -14,7 +14,8 @@ namespace skein::core {
 /// Detects robots that make no progress towards their places, whatever the cause. Progress means to come nearer to the
 /// place, or to where the place will finally rest, or to move along a planned route: the place itself may drive away
 /// meanwhile. A route on which the reference drives and the robot does not is no progress, however often it begins
-/// anew. Part of the tick: allocates in its constructor only.
+/// anew. Nor is a route to a place that drives on, if the robot should long have been there by the first of its routes:
+/// it drives along beside a place that it never reaches. Part of the tick: allocates in its constructor only.
 class ProgressWatch {
  public:
   explicit ProgressWatch(std::size_t robots) : robots_(robots) {}
@@ -25,11 +26,12 @@ class ProgressWatch {
     double along_a_route;     ///< time that its planned route still takes [s]; NaN: it has none
     Pose at{};                ///< where the robot is
     double from_wait = none;  ///< where its route has it stand for now, until others have passed [m]; NaN: it drives
+    bool drives_on = false;   ///< its place never rests
   };
 
   /// One tick: robot i is so far away and has been driven for `dt` [s]. True once when it has made no progress for
   /// `patience`, or has gone to and fro for `long_patience`; true again only after it has been nearer than ever, or at
-  /// its place.
+  /// its place. True once also when it is `long_patience` late for a place that drives on.
   bool stuck(std::size_t i, const Away& away, double dt) noexcept {
     Robot& robot = robots_[i];
     if (away.from_place < at_its_place) {
@@ -52,6 +54,7 @@ class ProgressWatch {
     robot.watched = waits ? 0.0 : robot.watched + dt;
     robot.unbeaten = gets_on || beats || falls_behind ? 0.0 : robot.unbeaten + dt;
     if (gets_on || beats) robot.told = false;
+    if (away.drives_on && robot.is_overdue(away.along_a_route, dt)) return robot.told = true;
     // A nanosecond: dt is a quotient, and the patience a whole number of ticks.
     const bool stands = !gets_on && !nears && robot.watched >= patience - 1e-9;
     if (robot.told || (!stands && robot.unbeaten < long_patience - 1e-9)) return false;
@@ -105,8 +108,14 @@ class ProgressWatch {
     Pose on_route{0.0, 0.0, 0.0};  // the sum of its motions along routes; motion without a route does not count
     Record place, end;
     double watched = 0.0, unbeaten = 0.0;  // [s]
-    bool told = false;
+    double due_in = none;                  // when its first route would have had it at its place [s]
+    bool told = false, told_late = false;
 
+    bool is_overdue(double route, double dt) noexcept {
+      due_in = std::isnan(due_in) ? route : due_in - dt;
+      if (told_late || !(due_in < -long_patience)) return false;
+      return told_late = true;
+    }
     void follow_route(const Away& away, double dt) noexcept {
       // NaN where there is no route, or was none at the last tick. A shorter route that is new has not run.
       const double less = along_a_route - away.along_a_route;

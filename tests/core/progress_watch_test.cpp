@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "core/safety/progress_watch.h"
 
@@ -104,6 +105,24 @@ TEST(ProgressWatch, ARobotThatGoesToAndFroIsStuck) {
   int said = 0;
   for (int k = 0; k < 1000; ++k) said += watch.stuck(0, {0.2 + 0.03 * std::sin(0.08 * k), none, none}, dt);
   EXPECT_EQ(said, 1);
+}
+
+/// It drove along beside its place, held back by the shield, on a route that began anew every two seconds: each was
+/// progress, so that nothing was said of it for as long as the run went on.
+TEST(ProgressWatch, ARobotThatIsNeverAtAPlaceThatDrivesOnIsStuck) {
+  for (const bool drives_on : {true, false}) {
+    ProgressWatch watch(1);
+    std::vector<double> said;
+    for (int k = 0; k < 2000; ++k)
+      if (watch.stuck(0, {0.1, none, 5.0 - dt * (k % 50), {0.001 * k, 0.0, 0.0}, none, drives_on}, dt))
+        said.push_back(dt * k);
+    ASSERT_EQ(said.size(), drives_on ? 1u : 0u);
+    if (drives_on) {
+      EXPECT_NEAR(said[0], 5.0 + ProgressWatch::long_patience, 2.0 * dt);
+    }
+    watch.restart(0);
+    EXPECT_FALSE(watch.stuck(0, {0.1, none, 5.0, {}, none, drives_on}, dt));
+  }
 }
 
 TEST(ProgressWatch, ANewRouteIsNoProgress) {

@@ -97,6 +97,41 @@ TEST(PlannedRoutes, BringARobotBackThatIsLetGo) {
   EXPECT_LT(ended, 7.0);
 }
 
+/// In a V of mixed robots the first is held, while the second and third overtake it, and let go. It pressed on between
+/// those two, each new route began beyond the robot beside it, and the shield pushed that one on with it, for good.
+TEST(PlannedRoutes, LetARobotPassThatTheShieldPushesOn) {
+  for (const int from : {5, 8, 11}) {
+    const Experiment e = good(fmt::format(
+        "duration = 60\nperturb = []\n[reference]\nkind = 'formation'\nspeed = 0.019\nspacing = 0.13\nshape = 'v'\n"
+        "path = {{ shape = 'ellipse', width = 1.582, height = 0.906 }}\n[avoidance]\nkind = 'plan'\n"
+        "[controller]\ncoupling = 'bounded'\n[arena]\nwidth = 2.4\nheight = 1.8\n"
+        "[[operator]]\nt = {}\ndoes = 'hold r1'\n[[operator]]\nt = {}\ndoes = 'release r1'\n"
+        "[[robot]]\n[[robot]]\n[[robot]]\nmodel = 'open'\n[[robot]]\nmodel = 'open'\n[[robot]]\n",
+        from, from + 8));
+    EXPECT_LT(farthest(test::simulate(e).back()), 0.01) << from;
+  }
+}
+
+/// The places of a V of large robots leave no way between the second and the third, from where the first, which was
+/// held, is to pass. It never gets there, on routes that begin anew every second, and nothing was said of it.
+TEST(PlannedRoutes, AreNoProgressIfTheyNeverMeetTheirPlace) {
+  std::string text =
+      "duration = 32\nperturb = []\n[reference]\nkind = 'formation'\nspeed = 0.025\nspacing = 0.154\nshape = 'v'\n"
+      "path = { shape = 'ellipse', width = 1.051, height = 0.984 }\n[avoidance]\nkind = 'plan'\n"
+      "[controller]\ncoupling = 'bounded'\n[controller.gains]\nk_xx = 0.004\nk_tt = 0.01\nk_yy = 0.03\n"
+      "[arena]\nwidth = 2.4\nheight = 1.8\n"
+      "[[operator]]\nt = 3.19\ndoes = 'hold r1'\n[[operator]]\nt = 9.62\ndoes = 'release r1'\n";
+  for (int k = 0; k < 6; ++k) text += "[[robot]]\nmodel = 'open'\n";
+  const std::vector<TickRecord> rows = test::simulate(good(text));
+  ASSERT_GT(core::distance(rows.back().robots[0].truth, rows.back().robots[0].nominal.pose), 0.1)
+      << "a test of nothing";
+  double said = 0.0;
+  for (const TickRecord& row : rows)
+    if (row.events.contains<events::NoProgress>(0)) said = row.t;
+  EXPECT_GT(said, 17.5);
+  EXPECT_LT(said, 30.0);
+}
+
 /// All stand until they have ways. Whoever keeps its first is not planned any more.
 TEST(PlannedRoutes, AreNotChangedOnTheWayIfTheFileSaysSo) {
   const auto work_on_the_way = [](bool improve) {
