@@ -33,6 +33,14 @@ constexpr double lift_tolerance = 0.012;
 // Of a square's edge: how far its corners may be from a square's on the plane of the tags.
 constexpr double misfit_tolerance = 0.03;
 
+// What looks so much like the tag between the corners that were found (0.98 and more in focus) is all of it. Where a
+// part of its edge is covered, the edge of the cover is taken for the tag's, and its bits are elsewhere: 0.90 at most.
+constexpr double whole_likeness = 0.95;
+
+// Of a whole tag that the tracker does not take: from here on, shape or size is the reason. AprilTag's corners make
+// less.
+constexpr double slight_misfit = 0.012, slight_size = 0.03;
+
 // A tag of 8 modules needs so many pixels to be decoded.
 constexpr double least_edge_px = 10.0;
 
@@ -94,9 +102,18 @@ NotSeen reason_of(const Detection& seen, const Frame& frame, const Calibration& 
                   const TagDiagnosis& answer) {
   if (cut_by_border(frame, seen.corners)) return NotSeen::at_border;
   const auto place = place_on_plane(calibration, seen.corners);
-  if (!place || place->misfit > misfit_tolerance * place->edge) return NotSeen::tilted;
+  if (!place || place->misfit > misfit_tolerance * place->edge)
+    return seen.likeness < whole_likeness && answer.contrast >= least_contrast ? NotSeen::covered : NotSeen::tilted;
   if (std::abs(place->edge / calibration.tag_size - 1.0) > size_tolerance) return NotSeen::wrong_size;
   return answer.contrast < least_contrast ? NotSeen::in_shadow : NotSeen::covered;
+}
+
+/// Of a tag that would be called covered although all of it is there, in focus.
+NotSeen reason_of_whole(const Detection& seen, const Calibration& calibration) {
+  const auto place = place_on_plane(calibration, seen.corners);
+  if (!place || seen.likeness < whole_likeness) return NotSeen::covered;
+  if (place->misfit > slight_misfit * place->edge) return NotSeen::tilted;
+  return std::abs(place->edge / calibration.tag_size - 1.0) > slight_size ? NotSeen::wrong_size : NotSeen::covered;
 }
 
 /// The middle of the edges, as a part of tag_size, of the tags that are not asked about; none where there are no two.
@@ -232,6 +249,7 @@ std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibr
       if (!was_seen) answer.printed = answer.size / *usual;
       answer.why = NotSeen::lifted;
     }
+    answer.others_fit = usual.has_value();
     if (times > 1) answer.why = NotSeen::doubled;
   }
   look_for_other_families(tags, calibration, answers);
@@ -252,6 +270,11 @@ std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibr
       answer.above = answer.change / (1.0 + answer.change) *
                      (calibration.world_from_camera->position.z() - calibration.tag_height);
       answer.why = NotSeen::lifted;
+    }
+    if (answer.why == NotSeen::covered) {
+      const auto one = std::find_if(found.begin(), found.end(),
+                                    [&](const Detection& detection) { return detection.tag == answer.tag; });
+      answer.why = reason_of_whole(*one, calibration);
     }
     if (answer.why != NotSeen::not_found) continue;
     answer.edge_px = expected_px;
@@ -358,11 +381,12 @@ std::string sentence(const TagDiagnosis& d, const Calibration& calibration) {
     case NotSeen::wrong_size: {
       const double edge = std::round(1e3 * d.size) / 1e3;  // both numbers of the sentence are of the edge that it names
       const double part = edge / calibration.tag_size - 1.0;
-      return fmt::format(
-          "tag {} is there, but its edge is {}, {:.0f} % {} than [tags] size {}: correct the size, or [tags] height if "
-          "all robots' tags are off by as much",
-          d.tag, millimetres(edge), 100.0 * std::abs(part), part < 0.0 ? "smaller" : "larger",
-          millimetres(calibration.tag_size));
+      std::string seen =
+          fmt::format("tag {} is there, but its edge is {}, {:.0f} % {} than [tags] size {}", d.tag, millimetres(edge),
+                      100.0 * std::abs(part), part < 0.0 ? "smaller" : "larger", millimetres(calibration.tag_size));
+      if (!d.others_fit) return seen + ": correct the size, or [tags] height if all robots' tags are off by as much";
+      return seen + ", which fits the other tags: print it anew" +
+             (part < 0.0 ? "" : ", or put its robot down if it is held up");
     }
     case NotSeen::lifted: {
       if (d.change != 0.0)

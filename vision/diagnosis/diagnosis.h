@@ -33,6 +33,7 @@ struct TagDiagnosis {
   double printed = 0.0;                   // of lifted: its edge, if it lies no higher; 0: it was seen before [m]
   double change = 0.0;                    // of lifted: how much larger it looks than it did; 0: than the others
   double size = 0.0;                      // its edge on the plane of the tags [m]; 0: it was not found
+  bool others_fit = false;                // two and more of the tags that were not asked about have [tags] size
   double edge_px = 0.0;                   // its edge, or what it would have [px]
   double contrast = 0.0;                  // between its ink and its paper [grey levels]; 0: it was not found
   double edge_width = 0.0;                // of blurred: of the frame's edges, from dark to bright [px]
