@@ -197,8 +197,8 @@ int calibrate_intrinsics(const IntrinsicsRequest& request) {
   if (!coverage) return fail_with(source->describe() + ": no picture", device_failed);
   if (!stills) views = vision::most_different(std::move(views), static_cast<std::size_t>(request.views));
   const auto result = vision::solve_intrinsics(std::move(views), coverage->width, coverage->height);
-  if (!result)
-    return fail_with(fmt::format("{}: {} (pictures looked at: {})", source->describe(), result.error(), seen.frames()),
+  if (const std::string why = result ? vision::equal_tilts(*result) : result.error(); !why.empty())
+    return fail_with(fmt::format("{}: {} (pictures looked at: {})", source->describe(), why, seen.frames()),
                      device_failed);
   const auto old = replace_calibration(result->calibration, request.out);
   if (!old) return fail_with(old.error(), wrong_input);
@@ -228,7 +228,8 @@ int calibrate_intrinsics(const IntrinsicsRequest& request) {
   if (result->focal_sigma > 0.01 * c.fx)
     complain(fmt::format("the focal length is only known to {:.0f} px: show the board tilted, near and far",
                          result->focal_sigma));
-  if (const std::string why = vision::uneven_focal_lengths(*result); !why.empty()) complain(why);
+  for (const std::string& why : {vision::uneven_focal_lengths(*result), vision::systematic_residuals(*result)})
+    if (!why.empty()) complain(why);
   if (coverage->share() < 0.6)
     fmt::print(
         stderr,

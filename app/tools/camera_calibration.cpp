@@ -92,6 +92,7 @@ struct CameraCalibration::Work {
         const int columns = width, rows = height;
         lock.unlock();
         found = vision::solve_intrinsics(now, columns, rows);
+        if (const std::string why = found ? vision::equal_tilts(*found) : ""; !why.empty()) found = tl::unexpected(why);
         lock.lock();
       }
       solved_of = of;

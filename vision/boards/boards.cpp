@@ -147,16 +147,29 @@ std::string calibrate(const std::vector<BoardView*>& views, int width, int heigh
     result.focal_sigma = std::max(sigmas.at<double>(0), sigmas.at<double>(1));
     result.centre_sigma = std::max(sigmas.at<double>(2), sigmas.at<double>(3));
     residuals.clear();
-    result.tilt = 0.0;
+    result.tilt = result.spread = 0.0;
+    std::vector<cv::Vec3d> normals;
+    double differences = 0.0;
+    std::size_t neighbours = 0;
     for (std::size_t i = 0; i < seen.size(); ++i) {
       cv::Matx33d rotation;
       cv::Rodrigues(rotations[i], rotation);
       result.tilt = std::max(result.tilt, std::acos(std::min(1.0, std::abs(rotation(2, 2)))));
+      normals.emplace_back(rotation(0, 2), rotation(1, 2), rotation(2, 2));
+      for (const cv::Vec3d& other : normals)
+        result.spread = std::max(result.spread, std::acos(std::min(1.0, std::abs(normals.back().dot(other)))));
       std::vector<cv::Point2f> expected;
       cv::projectPoints(on_board[i], rotations[i], translations[i], camera, distortion, expected);
       auto& distances = residuals.emplace_back();
       for (std::size_t k = 0; k < expected.size(); ++k) distances.push_back(cv::norm(expected[k] - seen[i][k]));
+      for (std::size_t k = 1; k < expected.size(); ++k) {
+        if (views[i]->corners[k].id != views[i]->corners[k - 1].id + 1) continue;
+        const cv::Point2f apart = (expected[k] - seen[i][k]) - (expected[k - 1] - seen[i][k - 1]);
+        differences += 0.5 * static_cast<double>(apart.dot(apart));
+        ++neighbours;
+      }
     }
+    result.scatter = neighbours > 0 ? std::sqrt(differences / static_cast<double>(neighbours)) : 0.0;
   } catch (const cv::Exception& problem) {
     return "the views do not determine the camera: " + problem.err;
   }
@@ -207,7 +220,7 @@ std::vector<bool> marker(int bits, int id) {
 }  // namespace skein::vision
 
 extern "C" __attribute__((visibility("default")))
-const skein::vision::Boards skein_boards_4 = {.detect = skein::vision::detect,
+const skein::vision::Boards skein_boards_5 = {.detect = skein::vision::detect,
                                               .detect_aruco = skein::vision::detect_aruco,
                                               .find = skein::vision::find,
                                               .calibrate = skein::vision::calibrate,

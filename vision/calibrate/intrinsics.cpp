@@ -19,6 +19,9 @@ constexpr double view_limit = 3.0;    // times that of the middle view
 constexpr double least_limit = 0.3;   // nothing closer than this is an outlier [px]
 constexpr int most_rounds = 15;
 constexpr double least_tilt = 5.0;  // of the board in one view [deg]
+// Between the board's planes in two views. With less, the focal length is wrong by much more than its deviation, which
+// knows only of noise and not of the small errors that all corners of equal views share. [deg]
+constexpr double least_turn = 8.0;
 // A board that is another one than was said, or pictures of several cameras. Of the picture's width; blurred corners in
 // large pictures scatter by a thousandth.
 constexpr double largest_rms = 0.0025;
@@ -113,6 +116,28 @@ std::string uneven_focal_lengths(const Intrinsics& intrinsics) {
       100.0 * apart / std::min(fx, fy));
 }
 
+std::string equal_tilts(const Intrinsics& intrinsics) {
+  constexpr double degree = core::pi / 180.0;
+  if (intrinsics.spread >= least_turn * degree) return {};
+  return fmt::format(
+      "the views do not determine the focal length: the board is tilted in the same way in all of them, to {:.1f} deg; "
+      "needed: {:g} deg between two of them, better 60: tilt it to different sides",
+      intrinsics.spread / degree, least_turn);
+}
+
+std::string systematic_residuals(const Intrinsics& intrinsics) {
+  constexpr double least = 0.15, times = 1.2;
+  const double systematic =
+      std::sqrt(std::max(0.0, intrinsics.rms * intrinsics.rms - intrinsics.scatter * intrinsics.scatter));
+  if (systematic <= least || systematic <= times * intrinsics.scatter) return {};
+  return fmt::format(
+      "corners beside one another are off in the same direction, by {:.2f} px, where each alone scatters by {:.2f} px: "
+      "no camera with this board gives these views, and the deviations above are too small. Either the board is not "
+      "flat, or it is stretched (measure ten of its squares in both directions), or focus or zoom changed between the "
+      "views, or the lens is a fisheye",
+      systematic, intrinsics.scatter);
+}
+
 tl::expected<Intrinsics, std::string> solve_intrinsics(std::vector<BoardView> views, int width, int height) {
   const auto module = boards();
   if (!module) return tl::unexpected(module.error());
@@ -122,13 +147,16 @@ tl::expected<Intrinsics, std::string> solve_intrinsics(std::vector<BoardView> vi
     const std::vector<BoardView*> in = used(views);
     if (in.size() < least_views)
       return tl::unexpected(fmt::format(
-          "{}, allowed: {} or more, each with at least {} corners, from different sides",
+          "{}, allowed: {} or more, each with at least {} corners, from different sides{}",
           views.size() < least_views
               ? fmt::format("found the board in {} view{}", views.size(), views.size() == 1 ? "" : "s")
               : fmt::format("only {} of {} views of the board can be used, since the others show too few corners or "
                             "do not fit",
                             in.size(), views.size()),
-          least_views, least_corners));
+          least_views, least_corners,
+          views.empty() ? ". Is the board described as it was printed (kind, columns x rows, bits of its markers), not "
+                          "mirrored, and in focus?"
+                        : ""));
     std::vector<std::vector<double>> residuals;
     if (std::string problem = (*module)->calibrate(in, width, height, result, residuals); !problem.empty())
       return tl::unexpected(problem);

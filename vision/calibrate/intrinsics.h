@@ -40,6 +40,14 @@ tl::expected<Intrinsics, std::string> solve_intrinsics(std::vector<BoardView> vi
 /// so that the board is longer one way than it should be.
 std::string uneven_focal_lengths(const Intrinsics& intrinsics);
 
+/// None, or why the focal length is a guess although its deviation is small: between any two views the board is tilted
+/// by less than 8 degrees. Such a result is not to be used.
+std::string equal_tilts(const Intrinsics& intrinsics);
+
+/// None, or a warning if neighbouring corners are off in the same direction by more than 0.15 px and 1.2 times what
+/// each scatters: views that no camera of this model can have of a flat board of these squares.
+std::string systematic_residuals(const Intrinsics& intrinsics);
+
 /// Whether a view differs from each of the others by at least `least_px`, in the mean over their common corners.
 /// Without this check a film gives the same view a thousand times.
 bool is_new_view(const std::vector<BoardView>& views, const BoardView& view, double least_px);

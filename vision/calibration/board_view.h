@@ -25,6 +25,8 @@ struct Intrinsics {
   double focal_sigma = 0.0;        // standard deviation of fx and fy, from the residuals [px]
   double centre_sigma = 0.0;       // of cx and cy [px]
   double tilt = 0.0;               // of the view that is tilted most, against the picture's plane [rad]
+  double spread = 0.0;             // largest angle between the board's planes in two views [rad]
+  double scatter = 0.0;  // of corners beside one another, as an rms like the above: what is not systematic [px]
 };
 
 }  // namespace skein::vision

@@ -33,7 +33,8 @@ struct Boards {
   /// See find_board.
   void (*find)(const Frame& frame, const Board& board, std::vector<BoardCorner>& corners);
 
-  /// OpenCV's calibrateCamera: calibration and sigmas of `result`, and the residual of every corner [px].
+  /// OpenCV's calibrateCamera: calibration, sigmas, tilt, spread and scatter of `result`, and the residual of every
+  /// corner [px].
   std::string (*calibrate)(const std::vector<BoardView*>& views, int width, int height, Intrinsics& result,
                            std::vector<std::vector<double>>& residuals);
 
@@ -48,6 +49,6 @@ struct Boards {
 };
 
 /// Carries a number for the same reason as media_symbol.
-inline constexpr const char* boards_symbol = "skein_boards_4";
+inline constexpr const char* boards_symbol = "skein_boards_5";
 
 }  // namespace skein::vision
