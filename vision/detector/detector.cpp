@@ -2,8 +2,10 @@
 
 #include <apriltag/apriltag.h>
 #include <apriltag/tag36h11.h>
+#include <sys/resource.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
 #include <new>
 
@@ -33,6 +35,7 @@ struct TagDetector::Parts {
 
   void search(const Frame& frame, image_u8_t image, int left, int top) {
     found.clear();
+    detail::expect_memory_for(image.width, image.height);
     zarray_t* detections = apriltag_detector_detect(detector.get(), &image);
     for (int i = 0; i < zarray_size(detections); ++i) {
       apriltag_detection_t* seen = nullptr;
@@ -51,6 +54,20 @@ struct TagDetector::Parts {
 void detail::add_family(apriltag_detector& detector, apriltag_family& family, int bits_corrected) {
   apriltag_detector_add_family_bits(&detector, &family, bits_corrected);
   if (family.impl == nullptr) throw std::bad_alloc();
+}
+
+void detail::expect_memory_for(int width, int height) {
+  // Of white noise, at full resolution, it takes 28 bytes a pixel; of a floor about 12.
+  constexpr std::size_t per_pixel = 32;
+  const auto limited = [](auto kind) {
+    rlimit limit{};
+    return ::getrlimit(kind, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY;
+  };
+  if (!limited(RLIMIT_AS) && !limited(RLIMIT_DATA)) return;
+  void* volatile const room =
+      std::malloc(per_pixel * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  if (room == nullptr) throw std::bad_alloc();
+  std::free(room);
 }
 
 TagDetector::TagDetector(const DetectorOptions& options) : parts_(std::make_unique<Parts>()) {

@@ -103,6 +103,7 @@ class Reader {
 
   void read(const Frame& frame, double decimate, std::array<std::vector<Detection>, families.size()>& found) {
     detector_->quad_decimate = static_cast<float>(decimate);
+    detail::expect_memory_for(frame.width, frame.height);
     // AprilTag only reads the pixels.
     image_u8_t image{frame.width, frame.height, frame.width, const_cast<std::uint8_t*>(frame.grey.data())};
     zarray_t* detections = apriltag_detector_detect(detector_.get(), &image);

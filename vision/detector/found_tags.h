@@ -19,6 +19,10 @@ inline constexpr int least_side = 16;
 /// stderr, and would never see a tag: throws std::bad_alloc.
 void add_family(apriltag_detector& detector, apriltag_family& family, int bits_corrected);
 
+/// AprilTag does not look at what malloc answers, and ends the process by a signal where there is no memory. Where
+/// memory is limited (`ulimit -v`, `ulimit -d`) and a search of so many pixels may exceed it: throws std::bad_alloc.
+void expect_memory_for(int width, int height);
+
 /// What AprilTag found in a picture that begins at this pixel of the frame; the likeness is left open.
 inline Detection detection_of(int tag, float decision_margin, const double (&corners)[4][2], int left = 0,
                               int top = 0) {

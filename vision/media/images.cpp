@@ -67,8 +67,8 @@ class Images final : public FrameSource {
     try {
       // Turned as its camera says, which is how every viewer shows it.
       decoded_ = cv::imdecode(bytes_, cv::IMREAD_GRAYSCALE);
-    } catch (const cv::Exception&) {
-      return "cannot be decoded";
+    } catch (const cv::Exception& problem) {
+      return problem.code == cv::Error::StsNoMem ? "needs more memory than there is" : "cannot be decoded";
     }
     if (decoded_.empty()) return "cannot be decoded";
     frame.resize(decoded_.cols, decoded_.rows);

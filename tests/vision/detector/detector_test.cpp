@@ -1,10 +1,12 @@
 #include "vision/detector/detector.h"
 
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <Eigen/Core>
 #include <cmath>
 #include <cstdlib>
+#include <fstream>
 #include <new>
 
 #include "tests/vision/support.h"
@@ -151,6 +153,35 @@ TEST(TagDetector, WithoutMemoryIsAnErrorAndNotBlind) {
     std::_Exit(0);
   };
   EXPECT_EXIT(without_memory(), ::testing::ExitedWithCode(7), "");
+}
+
+/// A large picture under `ulimit -v`: AprilTag ended the program by SIGSEGV.
+TEST(TagDetector, APictureForWhichThereIsNoMemoryIsAnError) {
+#if defined(__SANITIZE_ADDRESS__)
+  GTEST_SKIP() << "AddressSanitizer ends the program itself where memory is limited";
+#endif
+  Frame noise = test::uniform_frame(2000, 1500, 128);
+  for (std::size_t i = 0; i < noise.grey.size(); ++i)
+    noise.grey[i] = static_cast<std::uint8_t>(i * 2654435761U >> 24);  // edges at every pixel cost most
+  const auto with_memory = [&](std::size_t megabytes) {
+    std::size_t pages = 0;
+    std::ifstream("/proc/self/statm") >> pages;
+    const rlim_t taken = pages * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+    TagDetector detector;
+    const rlimit little{taken + (megabytes << 20), taken + (megabytes << 20)};
+    if (setrlimit(RLIMIT_AS, &little) != 0) std::_Exit(1);
+    try {
+      static_cast<void>(detector.detect(noise));
+      TagDetector again;
+      static_cast<void>(detect_at_both(again, noise));
+    } catch (const std::bad_alloc&) {
+      std::_Exit(7);
+    }
+    std::_Exit(0);
+  };
+  for (const std::size_t megabytes : {20, 40, 60, 80})
+    EXPECT_EXIT(with_memory(megabytes), ::testing::ExitedWithCode(7), "") << megabytes;
+  EXPECT_EXIT(with_memory(400), ::testing::ExitedWithCode(0), "") << "the control";
 }
 
 TEST(TagDetector, SeesNothingWhereNothingIs) {

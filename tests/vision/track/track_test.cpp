@@ -1,11 +1,16 @@
 #include "vision/track/track.h"
 
 #include <fmt/format.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <cmath>
+#include <cstdlib>
+#include <fstream>
 #include <sstream>
 
 #include "tests/vision/support.h"
+#include "vision/sources/open_source.h"
 #include "vision/synthetic/synthetic_camera.h"
 
 namespace skein::vision {
@@ -123,6 +128,32 @@ TEST(Track, ReportsSkippedPicturesAndNamesThatNeedQuotes) {
   ASSERT_EQ(summary->skipped.size(), 1U);
   EXPECT_EQ(summary->skipped[0], folder.file("broken.png") + ": cannot be decoded");
   EXPECT_NE(csv.str().find("\n0,\"a, \"\"b\"\".pgm\",0,1,"), std::string::npos) << csv.str();
+}
+
+TEST(Track, APictureForWhichThereIsNoMemoryIsNotCalledDamaged) {
+#if defined(__SANITIZE_ADDRESS__)
+  GTEST_SKIP() << "AddressSanitizer ends the program itself where memory is limited";
+#endif
+  test::Folder folder;
+  test::write_file(folder.file("vast.pgm"), "P5\n20000 20000\n255\n");
+  const auto reason = [&](std::size_t megabytes) {
+    const auto source = open_source("images:" + folder.path());
+    if (!source) std::_Exit(1);
+    std::size_t pages = 0;
+    std::ifstream("/proc/self/statm") >> pages;
+    const rlim_t most = pages * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE)) + (megabytes << 20);
+    const rlimit little{most, most};
+    if (setrlimit(RLIMIT_AS, &little) != 0) std::_Exit(2);
+    Frame frame;
+    static_cast<void>((*source)->read(frame));
+    const auto skipped = (*source)->skipped();
+    if (skipped.size() != 1) std::_Exit(3);
+    std::_Exit(skipped[0].ends_with(": needs more memory than there is") ? 7
+               : skipped[0].ends_with(": cannot be decoded")             ? 8
+                                                                         : 4);
+  };
+  EXPECT_EXIT(reason(200), ::testing::ExitedWithCode(7), "");
+  EXPECT_EXIT(reason(2000), ::testing::ExitedWithCode(8), "") << "the control: it has no pixels";
 }
 
 TEST(Track, ATableThatFindsNoRoomIsAnError) {
