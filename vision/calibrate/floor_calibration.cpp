@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <utility>
 
 #include "vision/detector/detector.h"
 #include "vision/frames/frame.h"
@@ -172,10 +173,42 @@ double single_error(const FloorCheck& check) {
   return marks > taken_up ? check.worst * marks / (marks - taken_up) : std::numeric_limits<double>::infinity();
 }
 
+namespace {
+
+constexpr double most_off = 10e-3;  // of a mark that is used, as far as can be known [m]
+
+/// "; with the places of tag 20 and tag 21 exchanged they agree to 0.2 mm: are these two swapped?", or nothing.
+std::string two_swapped(const Calibration& intrinsics, const std::vector<FloorMark>& marks) {
+  constexpr std::size_t most_marks = 30;  // 435 pairs
+  std::vector<FloorMark> tried = seen_ones(marks);
+  std::string said;
+  double least = most_off;
+  if (tried.size() > most_marks) return said;
+  const auto exchange = [](FloorMark& a, FloorMark& b) {
+    std::swap(a.x, b.x);
+    std::swap(a.y, b.y);
+    std::swap(a.z, b.z);
+  };
+  for (std::size_t i = 0; i < tried.size(); ++i)
+    for (std::size_t j = i + 1; j < tried.size(); ++j) {
+      exchange(tried[i], tried[j]);
+      const auto solved = solve_floor(intrinsics, tried);
+      const auto check = solved ? check_floor(*solved, tried) : tl::expected<FloorCheck, std::string>{};
+      if (solved && check && single_error(*check) < least) {
+        least = single_error(*check);
+        said = fmt::format("; with the places of {} and {} exchanged they agree to {:.1f} mm: are these two swapped?",
+                           tried[i].name, tried[j].name, 1e3 * check->worst);
+      }
+      exchange(tried[i], tried[j]);
+    }
+  return said;
+}
+
+}  // namespace
+
 tl::expected<TrustedFloor, std::string> solve_trusted_floor(const Calibration& intrinsics,
                                                             const std::vector<FloorMark>& marks) {
   constexpr double clearly_off = 5e-3;  // [m]
-  constexpr double most_off = 10e-3;    // of a mark that is used, as far as can be known [m]
   TrustedFloor floor;
   std::vector<FloorMark> used = marks;
   if (const FloorMark* odd = suspect(intrinsics, marks)) {
@@ -190,15 +223,15 @@ tl::expected<TrustedFloor, std::string> solve_trusted_floor(const Calibration& i
     }
   }
   const auto solved = solve_floor(intrinsics, used);
-  if (!solved) return tl::unexpected(solved.error());
+  if (!solved) return tl::unexpected(solved.error() + two_swapped(intrinsics, marks));
   floor.calibration = *solved;
   const auto check = check_floor(*solved, used);
   if (!check) return tl::unexpected(check.error());
   if (const double off = single_error(*check); off > most_off)
-    return tl::unexpected(
-        fmt::format("the marks disagree by up to {:.0f} mm, as if one of the {} were off by {:.0f} mm; allowed: {:.0f} "
-                    "mm: check their places, and the camera's focus",
-                    1e3 * check->worst, check->residuals.size(), 1e3 * off, 1e3 * most_off));
+    return tl::unexpected(fmt::format(
+        "the marks disagree by up to {:.0f} mm, as if one of the {} were off by {:.0f} mm; allowed: {:.0f} "
+        "mm: check their places, and the camera's focus{}",
+        1e3 * check->worst, check->residuals.size(), 1e3 * off, 1e3 * most_off, two_swapped(intrinsics, marks)));
   return floor;
 }
 

@@ -59,7 +59,8 @@ struct TrustedFloor {
   double off = 0.0;                     // distance between its stated place and the place that the picture shows [m]
 };
 /// solve_floor, without the suspect where that is more than 5 mm off. The error: solve_floor's, or marks that still
-/// disagree as if one of them were off by more than 10 mm (`single_error`), so that any solution would be a guess.
+/// disagree as if one of them were off by more than 10 mm (`single_error`), so that any solution would be a guess; it
+/// names two marks if all agree with the places of these exchanged.
 tl::expected<TrustedFloor, std::string> solve_trusted_floor(const Calibration& intrinsics,
                                                             const std::vector<FloorMark>& marks);
 

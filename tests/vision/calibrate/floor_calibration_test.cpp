@@ -5,6 +5,8 @@
 
 #include <cmath>
 #include <numbers>
+#include <tuple>
+#include <utility>
 
 #include "tests/vision/support.h"
 #include "vision/synthetic/synthetic_camera.h"
@@ -157,6 +159,31 @@ TEST(FloorCalibration, RefusesMarksThatDisagree) {
   const auto solved = solve_trusted_floor(lab.intrinsics(), lab.marks);
   ASSERT_FALSE(solved);
   EXPECT_NE(solved.error().find("the marks disagree by up to"), std::string::npos) << solved.error();
+}
+
+/// Two tags laid in one another's place, or their numbers typed in the wrong order: only "off by 6103 mm" was said.
+TEST(FloorCalibration, NamesTwoMarksThatAreSwapped) {
+  Lab lab;
+  Drawn film = lab.film(1);
+  enter(look_at_floor(film, lab.intrinsics(), 1).value(), lab.marks);
+  for (const auto& [few, i, j] : {std::tuple{std::vector<std::size_t>{0, 1, 2, 3, 4, 5, 6, 7, 8}, 2, 5},
+                                  {std::vector<std::size_t>{0, 2, 4, 6, 7, 8}, 0, 2},
+                                  {std::vector<std::size_t>{0, 2, 6, 8, 4}, 1, 2},
+                                  {std::vector<std::size_t>{0, 2, 6, 8}, 0, 3}}) {
+    std::vector<FloorMark> marks;
+    for (const std::size_t mark : few) marks.push_back(lab.marks[mark]);
+    FloorMark &one = marks[static_cast<std::size_t>(i)], &other = marks[static_cast<std::size_t>(j)];
+    std::swap(one.x, other.x);
+    std::swap(one.y, other.y);
+    const auto solved = solve_trusted_floor(lab.intrinsics(), marks);
+    ASSERT_FALSE(solved) << few.size();
+    const std::string hint =
+        fmt::format("; with the places of {} and {} exchanged they agree to 0.", one.name, other.name);
+    EXPECT_NE(solved.error().find(hint), std::string::npos) << few.size() << ": " << solved.error();
+  }
+  // The control: marks that disagree in another way are not said to be swapped.
+  for (const std::size_t i : {1U, 4U, 6U}) lab.marks[i].y += i == 4U ? -0.05 : 0.05;
+  EXPECT_EQ(solve_trusted_floor(lab.intrinsics(), lab.marks).error().find("exchanged"), std::string::npos);
 }
 
 TEST(FloorCalibration, RefusesAWrongMarkAmongTooFewToNameIt) {
