@@ -63,6 +63,17 @@ void detect_aruco(const Frame& frame, int bits, std::vector<Detection>& found) {
   }
 }
 
+/// A ChArUco board, in whatever dictionary.
+bool shows_markers(const Frame& frame) {
+  constexpr std::size_t no_chance = 4;
+  std::vector<Detection> markers;
+  for (int bits = 4; bits <= 7; ++bits) {
+    detect_aruco(frame, bits, markers);
+    if (markers.size() >= no_chance) return true;
+  }
+  return false;
+}
+
 void find_chessboard(const cv::Mat& picture, const Board& board, std::vector<BoardCorner>& corners) {
   const cv::Size inner(board.columns - 1, board.rows - 1);
   std::vector<cv::Point2f> points;
@@ -111,7 +122,8 @@ void find(const Frame& frame, const Board& board, std::vector<BoardCorner>& corn
         find_charuco(picture, board, corners);
         break;
       case Board::Kind::chessboard:
-        find_chessboard(picture, board, corners);
+        // Among markers OpenCV either takes their squares for the board's, or goes on searching for minutes.
+        if (!shows_markers(frame)) find_chessboard(picture, board, corners);
         break;
     }
   } catch (const cv::Exception&) {

@@ -71,6 +71,20 @@ TEST(Sheet, BoardsAreFoundAtTheirSize) {
     }
 }
 
+/// OpenCV finds a chessboard among a ChArUco board's squares and markers, or searches for minutes.
+TEST(Sheet, ACharucoBoardIsNoChessboard) {
+  for (const int bits : {4, 5, 6, 7}) {
+    const Board printed{.bits = bits};
+    const auto pages = board_sheet(printed, "A4");
+    ASSERT_TRUE(pages) << pages.error();
+    Frame frame;
+    ASSERT_TRUE(rasterise(pages->front(), 4.0, frame));
+    const Board wanted{.kind = Board::Kind::chessboard};
+    ASSERT_EQ(find_board(frame, printed)->size(), static_cast<std::size_t>(printed.inner_corners()));
+    EXPECT_EQ(find_board(frame, wanted)->size(), 0U) << bits;
+  }
+}
+
 TEST(Sheet, SaysWhatDoesNotFit) {
   EXPECT_EQ(tag_sheet({.tags = {587}}).error(), "tag 587; allowed: 0 to 586");
   EXPECT_EQ(tag_sheet({.tags = {}}).error(), "no tag is named");
