@@ -5,6 +5,7 @@
 #include <map>
 #include <vector>
 
+#include "vision/media/jpeg.h"
 #include "vision/media/libav.h"
 #include "vision/media/sources.h"
 
@@ -98,9 +99,19 @@ class Video final : public FrameSource {
       }
       if (packet_->stream_index != stream_->index) continue;
       if (recorded_) remember_stamp();
+      if (codec_->codec_id == AV_CODEC_ID_MJPEG && is_damaged_jpeg()) {
+        ++pictures_;  // those behind it keep their numbers
+        complain("is damaged");
+        continue;
+      }
       if (avcodec_send_packet(codec_.get(), packet_.get()) >= 0) return true;
       complain("cannot be decoded");
     }
+  }
+
+  /// FFmpeg goes on behind a flipped bit and says nothing, though what follows may stand elsewhere: tags, too.
+  bool is_damaged_jpeg() {
+    return decode_jpeg({packet_->data, static_cast<std::size_t>(packet_->size)}, judged_) == JpegState::damaged;
   }
 
   /// A picture has the time of the packet that it comes from; a decoder may hold some back.
@@ -160,6 +171,7 @@ class Video final : public FrameSource {
   Picture picture_;
   Packet packet_;
   Scaler scaler_;
+  Frame judged_;  // of a JPEG, read by a decoder that tells what it meets
   FilmNotes notes_;
   bool recorded_ = false;
   bool ended_ = false;

@@ -7,6 +7,7 @@
 #include <csetjmp>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
 #include <random>
 #include <utility>
 
@@ -15,6 +16,7 @@
 #include "tests/vision/support.h"
 #include "tests/vision/v4l2/fake_camera.h"
 #include "vision/modules/media_loader.h"
+#include "vision/sources/open_source.h"
 #include "vision/synthetic/synthetic_camera.h"
 #include "vision/tracker/tracker.h"
 #include "vision/v4l2/v4l2_source.h"
@@ -173,6 +175,39 @@ TEST(Mjpeg, AFrameThatWasCutAndEndedIsDamaged) {
     EXPECT_EQ(decode(bytes, frame), JpegState::damaged) << "the rest of it would be grey";
     EXPECT_TRUE(decode_anything(bytes, frame)) << "the control";
   }
+}
+
+/// FFmpeg shows such a frame without a word, with tags that stand centimetres elsewhere.
+TEST(Mjpeg, ADamagedFrameOfAFilmIsLeftOutAndSaid) {
+  SyntheticCamera camera(overhead_calibration(2.0, 1.5), {}, 3);
+  Frame frame;
+  Bytes film;
+  int noticed = 0;
+  for (int k = 0; k < 5; ++k) {
+    camera.render(std::vector{SyntheticTag{k, {0.1 * k, 0.0, 0.0}, 0.06}}, 0.04 * k, frame);
+    Bytes bytes = encode(frame, false);
+    if (k == 2) {
+      const Bytes whole = bytes;
+      for (std::size_t at = bytes.size() / 3; decode(bytes, frame) != JpegState::damaged; ++at) {
+        bytes = whole;
+        bytes[at] ^= 0x10;
+      }
+      ++noticed;
+    }
+    film.insert(film.end(), bytes.begin(), bytes.end());
+  }
+  ASSERT_EQ(noticed, 1);
+  test::Folder folder;
+  const std::string path = folder.file("film.mjpeg");
+  std::ofstream(path, std::ios::binary)
+      .write(reinterpret_cast<const char*>(film.data()), static_cast<std::streamsize>(film.size()));
+  const auto source = open_source("video:" + path);
+  ASSERT_TRUE(source) << source.error();
+  std::vector<std::int64_t> frames;
+  while ((*source)->read(frame).value()) frames.push_back(frame.index);
+  EXPECT_EQ(frames, (std::vector<std::int64_t>{0, 1, 3, 4}));
+  ASSERT_EQ((*source)->skipped().size(), 1U);
+  EXPECT_TRUE((*source)->skipped()[0].ends_with("is damaged")) << (*source)->skipped()[0];
 }
 
 TEST(Mjpeg, AHeaderThatAsksForAllOfTheMemoryIsDamaged) {
