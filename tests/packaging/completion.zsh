@@ -1,4 +1,4 @@
-# completion.zsh SOURCE: the completion as zsh runs it, in a terminal of its own: what stands on the line after Tab.
+# completion.zsh SOURCE: the completion as zsh runs it, in a terminal of its own: what stands on the line after it.
 zmodload zsh/zpty
 dots=$(mktemp -d) && trap 'rm -rf $dots' EXIT
 mkdir $dots/functions && cp $1/resources/completion/skein.zsh $dots/functions/_skein
@@ -6,16 +6,17 @@ cat >$dots/.zshrc <<'RC'
 PROMPT= ; unsetopt beep prompt_sp
 fpath=($ZDOTDIR/functions $fpath)
 autoload -Uz compinit && compinit -D -u
-show-line() { print -r -- "<$BUFFER>"; BUFFER= }
-zle -N show-line && bindkey '^G' show-line
+# One key for both: none waits while the completion works.
+complete-line() { zle expand-or-complete; print -r -- "<$BUFFER>"; BUFFER= }
+zle -N complete-line && bindkey '^G' complete-line
 print ready
 RC
 zpty shell "ZDOTDIR=$dots TERM=dumb zsh -i"
 zpty -r -m shell line '*ready*' || exit 1
 failed=0
-# completes WORDS LINE: WORDS, then Tab.
+# completes WORDS LINE: what stands on the line once WORDS are completed.
 completes() {
-  zpty -w -n shell "$1"$'\t\a'
+  zpty -w -n shell "$1"$'\a'
   zpty -r -m shell line '*<*>*'
   line=${line##*<} line=${line%%>*}
   [[ $line == $2 ]] || { print -r -- "zsh: $1: [$line], expected [$2]"; failed=1 }
