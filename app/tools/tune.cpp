@@ -445,7 +445,7 @@ std::string as_csv(const Study& study, const Tuned& tuned) {
 
 std::string verdict(const Tuned& tuned) {
   if (tuned.front.empty()) {
-    const std::string none =
+    std::string none =
         "no candidate is certified, within the constraints and not dominated by the experiment's own gains";
     if (tuned.candidates == 0 || tuned.uncertified < tuned.candidates) return none;
     return fmt::format("{}: none is certified. The first is {}", none, tuned.first_uncertified);

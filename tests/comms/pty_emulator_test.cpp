@@ -104,7 +104,7 @@ TEST(PtyEmulator, NamesAreMadeInADirectoryAndTakenAwayAgain) {
 
 TEST(PtyEmulator, ADirectoryThatCannotBeIsNamed) {
   try {
-    PtyEmulator(
+    const PtyEmulator emulator(
         {MotorModel::epuck2}, nullptr, [] { return 0.0; }, "/proc/none/robots");
     ADD_FAILURE() << "it cannot be made";
   } catch (const std::system_error& error) {
