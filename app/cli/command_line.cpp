@@ -64,8 +64,6 @@ bool ends_with_its_starter() {
   return good;
 }
 
-constexpr double reader_patience = 60.0;  // of a pager, which may take its time [s]
-
 /// What all commands that run or check an experiment have in common.
 struct ExperimentOptions {
   std::string file;

@@ -27,8 +27,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Facts = std::map<std::string, RunIndex::Value>;
 
-constexpr double reader_patience = 60.0;  // [s] nothing drives meanwhile
-
 int refused(const std::string& sentence) {
   complain(sentence);
   return wrong_input;

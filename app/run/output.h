@@ -10,7 +10,8 @@ namespace skein::app {
 /// What a terminal would obey is escaped (terminal_text.h), on stdout only where that is a terminal: scripts get it as
 /// it is.
 
-inline constexpr double short_patience = 0.1;  // [s]
+inline constexpr double short_patience = 0.1;    // [s]
+inline constexpr double reader_patience = 60.0;  // for what is read in a pager, while nothing drives [s]
 
 void print_out(std::string_view text, double patience = short_patience) noexcept;
 void print_error(std::string_view text, double patience = short_patience) noexcept;

@@ -50,6 +50,12 @@ TEST(House, ChoosesByEnumeratorsWithSwitches) {
   for (const std::string& choice : choices_by_one_enumerator(all)) ADD_FAILURE() << choice;
 }
 
+/// Sources of a folder are compiled together, in other batches by each preset (cmake/skein.cmake).
+TEST(House, NamesWithinARoomDiffer) {
+  for (const char* room : {"core", "vision", "comms", "app", "ui", "tests"})
+    for (const std::string& meeting : definitions_that_meet(sources_of(room))) ADD_FAILURE() << meeting;
+}
+
 /// Somebody sets the clock, or the network does, in the middle of a run: nothing that waits or judges may notice.
 TEST(House, OnlyNamesAndStampsOfFilesAskTheClockThatPeopleSet) {
   const std::regex asks(
@@ -230,6 +236,20 @@ TEST(Rules, ReportChoicesByOneEnumerator) {
   EXPECT_EQ(found("\nint x = c == Colour::red\n ? 1 : 2;").at(0).substr(0, 14), "app/b/c.cpp:2:");
   EXPECT_TRUE(found("const bool red = c == Colour::red;\nint x = red ? 1 : 2;").empty());
   EXPECT_TRUE(found("int x = n == Limits::most ? 1 : 2;").empty()) << "no enumerator";
+}
+
+TEST(Rules, ReportDefinitionsThatMeet) {
+  const auto found = [](const char* one, const char* other) {
+    return definitions_that_meet({{"app/a/b.cpp", one}, {"app/a/c.cpp", other}});
+  };
+  EXPECT_EQ(found("\nconstexpr double patience = 1;  // [s]\n", "constexpr int patience{2};\n").size(), 1U);
+  EXPECT_EQ(found("constexpr int sizes[2] = {1, 2};\n", "const std::string sizes = \"all\";\n").size(), 1U);
+  EXPECT_EQ(found("int half(int a) {\n  return a / 2;\n}\n", "int half(int a) {\n  return a >> 1;\n}\n").size(), 1U);
+  EXPECT_TRUE(found("int half(int a) {\n", "double half(double a) {\n").empty()) << "two that may stand together";
+  EXPECT_TRUE(found("  constexpr int n = 1;\n", "  constexpr int n = 2;\n").empty()) << "local";
+  EXPECT_TRUE(
+      definitions_that_meet({{"app/a/b.cpp", "constexpr int n = 1;\n"}, {"app/b/b.cpp", "constexpr int n = 1;\n"}})
+          .empty());
 }
 
 TEST(Rules, ReadTheTable) {

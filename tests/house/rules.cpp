@@ -326,6 +326,34 @@ std::vector<std::string> choices_by_one_enumerator(const std::vector<SourceFile>
   return found;
 }
 
+std::vector<std::string> definitions_that_meet(const std::vector<SourceFile>& files) {
+  const std::regex constant(R"(^(?:constexpr|const) [^;({=]*\b(\w+)(?:\[[^\]]*\])? *[={].*)"), main(R"(int main\(.*)"),
+      function(R"(^[\w:<>,&*][\w:<>,&* ]* [&*]*\w+\(.*\) (?:noexcept )?\{)");
+  std::map<std::pair<string, string>, string> first;  // by folder and definition: where it stands
+  std::vector<std::string> found;
+  for (const SourceFile& file : files) {
+    if (!file.path.ends_with(".cpp")) continue;
+    const string folder = file.path.substr(0, file.path.rfind('/'));
+    std::istringstream text(file.text);
+    string line;
+    for (int number = 1; std::getline(text, line); ++number) {
+      std::smatch parts;
+      string what;
+      if (std::regex_match(line, parts, constant))
+        what = parts[1];
+      else if (std::regex_match(line, function) && !std::regex_match(line, main))
+        what = line;
+      if (what.empty()) continue;
+      const string here = file.path + ":" + std::to_string(number);
+      const auto [other, added] = first.emplace(std::pair(folder, what), here);
+      const bool for_another_machine = other->second.starts_with(file.path + ":");  // twice in one source: under #if
+      if (!added && !for_another_machine)
+        found.push_back(here + ": " + what + ": defined at " + other->second + " too: names within a room differ");
+    }
+  }
+  return found;
+}
+
 std::vector<SourceFile> sources_of(const string& room) {
   const std::filesystem::path root = test::in_source("");
   std::vector<SourceFile> files;

@@ -30,6 +30,10 @@ std::vector<std::string> cycles_in(const std::vector<SourceFile>& files);
 /// The places in `files` where `? :` chooses by one enumerator of an enumeration that they declare, one sentence each.
 std::vector<std::string> choices_by_one_enumerator(const std::vector<SourceFile>& files);
 
+/// The constants and functions at the left margin that two sources of one folder of `files` define alike, one sentence
+/// each: a build that compiles both at once fails, and which does depends on the size of its batches.
+std::vector<std::string> definitions_that_meet(const std::vector<SourceFile>& files);
+
 /// The sources of one room, read from the disk.
 std::vector<SourceFile> sources_of(const std::string& room);
 
