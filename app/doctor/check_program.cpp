@@ -26,15 +26,12 @@ Findings controllers(const Machine& machine, const Examination& examination) {
 
 Findings parts(const Machine& machine) {
   Findings result;
-  if (const auto guard = machine.guard(); guard) {
-    const std::string elsewhere = machine.marker_elsewhere ? machine.marker_elsewhere() : std::string();
-    if (elsewhere.empty())
-      result.push_back(well("guard", "can be started"));
-    else
-      result.push_back(
-          {State::note, "guard", "can be started; " + elsewhere,
-           "make that folder writable: after a crash of the machine the next start then names the robots"});
-  } else
+  if (const auto guard = machine.guard(); guard && guard->empty())
+    result.push_back(well("guard", "can be started"));
+  else if (guard)
+    result.push_back({State::note, "guard", "can be started; " + *guard,
+                      "make that folder writable: after a crash of the machine the next start then names the robots"});
+  else
     result.push_back({State::ill, "guard", guard.error(),
                       "mend this: without a guard nothing stops the robots when the program is killed"});
   for (const std::string& run : machine.bad_ends())

@@ -110,23 +110,17 @@ Timing two_bare_threads(double seconds) {
   return timing;
 }
 
-/// Writes a marker as a run does, of no robot, and removes it; why it is not in the state directory. The error: there
-/// is no place for it at all.
-tl::expected<std::string, std::string> try_a_marker() {
+/// Writes a marker as a run does, of no robot, and removes it.
+tl::expected<std::string, std::string> try_the_guard() {
   RunMarker marker;
   marker.experiment = "skein doctor";
   const auto written = write_marker(marker);
   if (!written) return tl::unexpected(written.error());
   marker.forget();
   ::close(written->lock);
-  return written->problem;
-}
-
-tl::expected<void, std::string> try_the_guard() {
-  if (const auto marker = try_a_marker(); !marker) return tl::unexpected(marker.error());
   if (::access("/proc/self/exe", X_OK) != 0)
     return tl::unexpected(std::string("/proc is not there: the guard cannot be started"));
-  return {};
+  return written->problem;
 }
 
 /// Where it is, in the first of the folders that has it; empty: in none.
@@ -181,7 +175,6 @@ Machine this_machine() {
   machine.runs_directory = [] { return runs_directory(""); };
   machine.free_in = free_in;
   machine.guard = try_the_guard;
-  machine.marker_elsewhere = [] { return try_a_marker().value_or(""); };
   machine.bad_ends = [] {
     std::vector<std::string> names;
     for (const RunMarker& marker : bad_ends()) names.push_back(marker.experiment);

@@ -46,10 +46,9 @@ struct Machine {
   /// The folder of kept runs, which need not exist; the error: there is none. And the free space there [bytes].
   std::function<tl::expected<std::string, std::string>()> runs_directory;
   std::function<double(const std::string& folder)> free_in;
-  /// Whether markers of runs can be written and a guard be started; the error is the reason.
-  std::function<tl::expected<void, std::string>()> guard;
-  /// Why the markers of runs go elsewhere than to the user's state directory; empty: they do not. May be absent.
-  std::function<std::string()> marker_elsewhere;
+  /// Why markers of runs go elsewhere than to the user's state directory; empty: they do not. The error: why none can
+  /// be written, or no guard be started.
+  std::function<tl::expected<std::string, std::string>()> guard;
   /// Starts an experiment's own controller as a run does, and ends it; the error, one line, says why it cannot start.
   std::function<tl::expected<void, std::string>(const Experiment&)> start_controller;
   std::function<std::vector<std::string>()> bad_ends;  ///< names of runs that ended badly, see run_marker.h

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cerrno>
-#include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -14,8 +13,6 @@
 namespace skein::app {
 
 namespace {
-
-constexpr std::uintmax_t largest_text = std::uintmax_t{64} << 20;  // [bytes]
 
 /// Why it is no file to read; empty: it is one, or opening it says more.
 std::string not_a_file(const std::string& path) {
@@ -34,15 +31,15 @@ tl::expected<void, std::string> check_is_file(const std::string& path) {
   return {};
 }
 
-tl::expected<std::string, std::vector<Problem>> read_text(const std::string& path) {
+tl::expected<std::string, std::vector<Problem>> read_text(const std::string& path, std::uintmax_t largest) {
   const auto unreadable = [&](const std::string& why) {
     return tl::unexpected(std::vector<Problem>{{path, 0, 0, "cannot be read: " + why}});
   };
   if (const std::string why = not_a_file(path); !why.empty()) return unreadable(why);
   std::error_code not_known;
   const std::uintmax_t size = std::filesystem::file_size(path, not_known);
-  if (!not_known && size > largest_text)
-    return unreadable("it has " + std::to_string(size) + " bytes, allowed: at most " + std::to_string(largest_text));
+  if (!not_known && size > largest)
+    return unreadable("it has " + std::to_string(size) + " bytes, allowed: at most " + std::to_string(largest));
   std::ifstream in(path, std::ios::binary);
   if (!in) return unreadable(std::strerror(errno));
   std::string text(not_known ? 0 : size, '\0');  // at once, which is faster than one by one

@@ -1,5 +1,4 @@
 #include "app/record/report.h"
-#include "app/experiment/text_file.h"
 
 #include <fmt/format.h>
 
@@ -8,6 +7,7 @@
 #include <filesystem>
 
 #include "app/embedded/embedded.h"
+#include "app/experiment/text_file.h"
 #include "app/record/gnuplot.h"
 
 namespace skein::app {

@@ -1,5 +1,4 @@
 #include "app/tools/identify.h"
-#include "app/experiment/text_file.h"
 
 #include <fmt/format.h>
 
@@ -14,6 +13,7 @@
 #include <thread>
 
 #include "app/embedded/embedded.h"
+#include "app/experiment/text_file.h"
 #include "app/record/csv_reader.h"
 #include "app/record/gnuplot.h"
 #include "core/estimation/statistics.h"

@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <set>
 #include <sstream>
@@ -196,18 +197,6 @@ std::string head(const Study& study, const Part& part) {
                      fingerprint(study), part.index, part.of);
 }
 
-/// A part's text, of any size: a part of a million runs took hours, and has hundreds of megabytes.
-tl::expected<std::string, std::string> read_part(const std::string& path) {
-  if (auto is_file = check_is_file(path); !is_file) return tl::unexpected(is_file.error());
-  errno = 0;
-  std::ifstream in(path, std::ios::binary | std::ios::ate);
-  std::string text(in ? static_cast<std::size_t>(in.tellg()) : 0, '\0');
-  in.seekg(0);
-  if (!in.read(text.data(), static_cast<std::streamsize>(text.size())))
-    return tl::unexpected(fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
-  return text;
-}
-
 /// Why a part with another head is not this one.
 std::string foreign(const std::string& text, const Study& study, const std::string& expected) {
   if (text.empty()) return "it is empty";
@@ -341,10 +330,12 @@ tl::expected<void, std::string> save_part(const std::string& directory, const St
 
 tl::expected<Outcomes, std::string> load_part(const std::string& directory, const Study& study, const Part& part) {
   const std::string path = part_file(directory, part);
-  const auto text = read_part(path);
+  // Of any size: a part of a million runs takes hours, and has hundreds of megabytes.
+  const auto text = read_text(path, std::numeric_limits<std::uintmax_t>::max());
   std::error_code unknown;  // neither there nor not there, such as a name that is too long
   if (!text)
-    return tl::unexpected(fs::exists(path, unknown) || unknown ? text.error() : std::string("it is not there"));
+    return tl::unexpected(fs::exists(path, unknown) || unknown ? text.error().front().message()
+                                                               : std::string("it is not there"));
   const std::string expected = head(study, part);
   if (!text->starts_with(expected)) return tl::unexpected(fmt::format("{}: {}", path, foreign(*text, study, expected)));
   const std::size_t end = text->rfind(last_line);

@@ -1,5 +1,4 @@
 #include "app/tools/sweep_report.h"
-#include "app/experiment/text_file.h"
 
 #include <fmt/format.h>
 
@@ -13,6 +12,7 @@
 
 #include "app/embedded/embedded.h"
 #include "app/experiment/experiment_file.h"
+#include "app/experiment/text_file.h"
 #include "app/record/gnuplot.h"
 #include "app/session/session.h"
 #include "core/estimation/statistics.h"

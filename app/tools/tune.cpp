@@ -1,5 +1,4 @@
 #include "app/tools/tune.h"
-#include "app/experiment/text_file.h"
 
 #include <fmt/format.h>
 
@@ -16,6 +15,7 @@
 #include "app/experiment/certificate.h"
 #include "app/experiment/experiment_file.h"
 #include "app/experiment/experiment_keys.h"
+#include "app/experiment/text_file.h"
 #include "app/experiment/toml_edit.h"
 #include "app/record/gnuplot.h"
 #include "core/words.h"

@@ -120,7 +120,8 @@ std::string equal_tilts(const Intrinsics& intrinsics) {
   constexpr double degree = core::pi / 180.0;
   if (intrinsics.spread >= least_turn * degree) return {};
   return fmt::format(
-      "the views do not determine the focal length: the board is tilted in the same way in all of them, to {:.1f} deg; "
+      "the views do not determine the focal length: the board is tilted in the same way in all of them, to within "
+      "{:.1f} deg; "
       "needed: {:g} deg between two of them, better 60: tilt it to different sides",
       intrinsics.spread / degree, least_turn);
 }

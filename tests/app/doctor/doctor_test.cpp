@@ -244,7 +244,7 @@ const Fault faults[] = {
      }},
     {"NoGuard", State::ill, "guard: the folder is not writable",
      [](Patient& p) {
-       p.machine.guard = []() -> tl::expected<void, std::string> {
+       p.machine.guard = []() -> tl::expected<std::string, std::string> {
          return tl::unexpected(std::string("the folder is not writable"));
        };
      }},
@@ -357,7 +357,6 @@ TEST(Doctor, AStateDirectoryThatCannotBeWrittenDoesNotTakeTheGuard) {
   const Machine here = this_machine();
   Patient patient;
   patient.machine.guard = here.guard;
-  patient.machine.marker_elsewhere = here.marker_elsewhere;
   const std::vector<std::string> lines = patient.complaints();
   before != nullptr ? ::setenv("XDG_STATE_HOME", home.c_str(), 1) : ::unsetenv("XDG_STATE_HOME");
   ASSERT_EQ(lines.size(), 1u) << testing::PrintToString(lines);

@@ -52,7 +52,7 @@ class Patient {
     machine.disk_free = [] { return 50e9; };
     machine.runs_directory = [this]() -> tl::expected<std::string, std::string> { return (folder / "runs").string(); };
     machine.free_in = [](const std::string&) { return 50e9; };
-    machine.guard = [] { return tl::expected<void, std::string>(); };
+    machine.guard = [] { return tl::expected<std::string, std::string>(); };
     machine.start_controller = [](const Experiment&) { return tl::expected<void, std::string>(); };
     machine.bad_ends = [] { return std::vector<std::string>(); };
     machine.modules = [] { return tl::expected<void, std::string>(); };
