@@ -126,6 +126,8 @@ TickMemory::TickMemory(const Experiment& e, const core::Gains& first, const core
   standing.reserve(obstacles.all().size() + n);
   off_nominal.resize(n);
   owed.resize(n);
+  for (const RobotSpec& robot : e.robots)
+    wheels.push_back({core::ExpectedWheel(robot.motor), core::ExpectedWheel(robot.motor)});
   acts_at.resize(n, none);
   trust.resize(n, 1.0);
   driving.resize(n);
@@ -533,6 +535,17 @@ void TickState::limit_and_shield() noexcept {
   }
 }
 
+namespace {
+
+/// What a wheel is told that owes `owed`: never to turn against what is wanted of it, so that it waits where it has
+/// rolled too far. [steps/s]
+double to_command(core::MotorModel motor, double wanted, double owed) noexcept {
+  const double due = wanted + owed;
+  return due * wanted > 0.0 ? core::nearest_command(motor, due) : 0.0;
+}
+
+}  // namespace
+
 /// Twists to step rates. A real motor runs only some rates: what one tick does too much or too little, the next ones
 /// make good.
 void TickState::drive_wheels() noexcept {
@@ -542,14 +555,11 @@ void TickState::drive_wheels() noexcept {
     const core::WheelSpeeds wanted = spec.drive.wheels(commands[i]);
     if (robot.is(stopped)) owed[i] = {};
     const core::WheelSpeeds before = robot.wheels;
-    robot.wheels = {core::nearest_command(spec.motor, wanted.left + owed[i].left),
-                    core::nearest_command(spec.motor, wanted.right + owed[i].right)};
+    robot.wheels = {to_command(spec.motor, wanted.left, owed[i].left),
+                    to_command(spec.motor, wanted.right, owed[i].right)};
     const bool sent = robot.wheels != before;  // to both wheels, or to none
-    const auto run = [&](double from, double to) {
-      const double lost_steps = sent ? core::steps_lost_by_command(spec.motor, from, to) : 0.0;
-      return core::actual_step_rate(spec.motor, to) - lost_steps / experiment.period();
-    };
-    const core::WheelSpeeds runs{run(before.left, robot.wheels.left), run(before.right, robot.wheels.right)};
+    const core::WheelSpeeds runs{wheels[i].left.command(robot.wheels.left, sent, record.period, experiment.period()),
+                                 wheels[i].right.command(robot.wheels.right, sent, record.period, experiment.period())};
     if (spec.motor != core::MotorModel::ideal && !robot.is(stopped))
       owed[i] = {wanted.left + owed[i].left - runs.left, wanted.right + owed[i].right - runs.right};
     acts_at[i] = record.now + robot.actuation_delay;

@@ -41,6 +41,10 @@ struct TickSetup {
   std::vector<core::AvoidanceParameters> fields;  // (30) of each robot
 };
 
+struct ExpectedWheels {
+  core::ExpectedWheel left, right;
+};
+
 /// What a tick remembers, all of it values: a copy goes on like the original.
 struct TickMemory {
   TickMemory(const Experiment& e, const core::Gains& first, const core::ReferenceDemand& demand);
@@ -74,6 +78,7 @@ struct TickMemory {
   std::vector<bool> seen_or_missed;     // seen, or reported lost: from then on losses and finds are reported
   std::vector<bool> held;               // made to stand by the operator
   std::vector<bool> off_nominal;        // follows a modified reference
+  std::vector<ExpectedWheels> wheels;   // what each one's wheels roll at its commands
   std::vector<core::WheelSpeeds> owed;  // motion still to be made up for, because step rates are coarse
   std::vector<double> acts_at;          // from when on the newest commands act [s]
   std::vector<core::ObedienceWatch> obedience;

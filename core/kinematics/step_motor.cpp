@@ -145,28 +145,31 @@ void StepMotor::set_counter(std::int64_t steps) noexcept {
   landed_ = static_cast<double>(steps);
 }
 
-double steps_lost_by_command(MotorModel model, double from, double to) noexcept {
-  if (to == 0.0) return 0.0;
-  switch (model) {
+double epuck1_steps_lost(double from, double to) noexcept {
+  if (to == 0.0 || from == 0.0 || !saves_power(from)) return 0.0;
+  const double before = epuck1_period(from), after = epuck1_period(to);
+  const double coils_on = coils_on_for / before;  // share of the time
+  const double delay = (1.0 - coils_on) * coils_on_for + (saves_power(to) ? coils_on * (after - coils_on_for) : 0.0);
+  return std::copysign(delay / after, to);
+}
+
+double ExpectedWheel::command(double speed, bool sent, double dt, double period) noexcept {
+  const double before = speed_;
+  speed_ = speed;
+  switch (model_) {
     case MotorModel::ideal:
     case MotorModel::servo:
-      return 0.0;
-    case MotorModel::epuck1: {
-      if (from == 0.0 || !saves_power(from)) return 0.0;
-      const double before = epuck1_period(from), after = epuck1_period(to);
-      const double coils_on = coils_on_for / before;  // share of the time
-      const double delay =
-          (1.0 - coils_on) * coils_on_for + (saves_power(to) ? coils_on * (after - coils_on_for) : 0.0);
-      return std::copysign(delay / after, to);
-    }
-    case MotorModel::epuck2: {
-      // On average half of a half step is still to come, at the old pace; a change of direction does not wait.
-      const double waits = 0.5 * (from == 0.0 ? standing_period : epuck2_half_period(from));
-      const double meanwhile = from == 0.0 ? 0.0 : std::copysign(actual_step_rate(model, from), to);
-      return (actual_step_rate(model, to) - meanwhile) * waits;
-    }
+      return speed;
+    case MotorModel::epuck1:
+      return actual_step_rate(model_, speed) - (sent ? epuck1_steps_lost(before, speed) / period : 0.0);
+    case MotorModel::epuck2:
+      break;
   }
-  return 0.0;
+  if (dt > 0.0) motor_.advance(std::min(dt, 1.0));  // after a longer time only its timer differs
+  if (sent) motor_.command(speed);
+  StepMotor ahead = motor_;
+  ahead.advance(period);
+  return (ahead.position() - motor_.position()) / period;
 }
 
 }  // namespace skein::core

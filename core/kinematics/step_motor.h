@@ -53,9 +53,28 @@ class StepMotor {
   bool settled_ = true;    // the current step began at the commanded speed, or it stands
 };
 
-/// The mean loss of steps at a speed command that arrives at a random time: positive if the wheel rolls less far than
-/// it would at the new rate from that time on. `from`, `to`: commanded; equal where only the other wheel's speed
-/// changes, since a command goes to both. [steps]
-double steps_lost_by_command(MotorModel model, double from, double to) noexcept;
+/// How far one wheel rolls from one command to the next, as the tick expects it:
+///
+/// - e-puck2: its motor is run along. One that starts from standing makes its first half step within 10 ms whatever
+///   the speed: slow wheels that start and stop in turn roll several times as far as their speeds say.
+/// - e-puck1: as far as on average, since what a command costs depends on the moment at which it arrives.
+class ExpectedWheel {
+ public:
+  explicit ExpectedWheel(MotorModel model) noexcept : model_(model), motor_(model) {}
+
+  /// `dt` after the previous command, NaN at the first [s], this one takes effect [steps/s]. `sent`: a command went to
+  /// the robot, for this wheel or the other. Returns the mean rate over the next `period` [steps/s, s].
+  double command(double speed, bool sent, double dt, double period) noexcept;
+
+ private:
+  MotorModel model_;
+  double speed_ = 0.0;  // commanded
+  StepMotor motor_;
+};
+
+/// The mean loss of steps of an e-puck1 at a speed command that arrives at a random time: positive if the wheel rolls
+/// less far than it would at the new rate from that time on. `from`, `to`: commanded; equal where only the other
+/// wheel's speed changes, since a command goes to both. [steps]
+double epuck1_steps_lost(double from, double to) noexcept;
 
 }  // namespace skein::core

@@ -26,9 +26,7 @@ TEST(StepMotor, AnEpuck1LosesStepsBelow601WhenItIsToldASpeedEveryTick) {
     // Which phase the commands meet is fixed at some speeds: an average over neighbours of the same period will do.
     const double expected = 2.0 * 15.0 * (std::floor(10000.0 / speed) - 15.0) / std::floor(10000.0 / speed) / 400.0;
     EXPECT_NEAR(expected, lost, 0.02) << speed;
-    EXPECT_NEAR(
-        steps_lost_by_command(MotorModel::epuck1, speed, speed) * 25.0 / actual_step_rate(MotorModel::epuck1, speed),
-        expected, 1e-6)
+    EXPECT_NEAR(epuck1_steps_lost(speed, speed) * 25.0 / actual_step_rate(MotorModel::epuck1, speed), expected, 1e-6)
         << speed;
   }
   for (const double speed : {601.0, 700.0, 1000.0}) EXPECT_NEAR(share_lost(speed, 40.0), 0.0, 1e-3) << speed;
@@ -93,6 +91,46 @@ TEST(StepMotor, TheShaftIsNeverFartherFromItsCounterThanAStepAndTimeCanBeCutAnyw
       RC_ASSERT(std::abs(whole.position() - static_cast<double>(whole.counter())) <= 1.0 + 1e-6);
       RC_ASSERT(std::abs(whole.position() - cut.position()) < 0.02);
     }
+  });
+}
+
+/// The tick's idea of an e-puck2's wheel that is told `speeds`, one each `period` of time, against a motor whose timer
+/// counts since `phase` before. [steps]
+double farthest_from_expected(const std::vector<double>& speeds, double period, double phase) {
+  StepMotor motor(MotorModel::epuck2);
+  motor.advance(phase);
+  ExpectedWheel expected(MotorModel::epuck2);
+  double rolls = 0.0, worst = 0.0, before = 0.0, passed = std::nan("");
+  for (const double speed : speeds) {
+    const bool sent = speed != before;
+    before = speed;
+    rolls += period * expected.command(speed, sent, passed, period);
+    passed = period;
+    if (sent) motor.command(speed);
+    motor.advance(period);
+    worst = std::max(worst, std::abs(rolls - motor.position()));
+  }
+  return worst;
+}
+
+// 13 steps/s for one tick of 10 ms in 80 ms: its speeds say 3.25 steps, and it rolls half a step each time.
+TEST(ExpectedWheel, KnowsHowFarAnEpuck2RollsThatStartsAndStopsInTurn) {
+  std::vector<double> pulses;
+  for (int k = 0; k < 200; ++k) pulses.push_back(k % 8 == 0 ? 13.0 : 0.0);
+  for (const double period : {0.01, 0.02, 0.04})
+    for (const double phase : {0.0, 0.002, 0.0071})
+      EXPECT_LT(farthest_from_expected(pulses, period, phase), 0.6) << period << " s, " << phase << " s";
+  StepMotor motor(MotorModel::epuck2);
+  for (const double speed : pulses) motor.command(speed), motor.advance(0.01);
+  EXPECT_NEAR(motor.position(), 12.5, 0.6);
+}
+
+TEST(ExpectedWheel, IsTheEpuck2sMotorIfTheirTimersAgree) {
+  test::holds("any commands, any rate", [](const std::vector<std::int16_t>& draws) {
+    const double period = 0.005 * *rc::gen::inRange(1, 9);
+    std::vector<double> speeds;
+    for (const std::int16_t draw : draws) speeds.push_back(draw % 4 == 0 ? 0.0 : draw % 1100);
+    RC_ASSERT(farthest_from_expected(speeds, period, 0.0) < 1e-6);
   });
 }
 
