@@ -13,7 +13,8 @@ enum ExitStatus {
 };
 
 /// Runs a whole program, from its first to its last output: what it returns is its exit status. An exception is
-/// reported, and so is lost output (a full disk): both give device_failed unless something worse is known.
+/// reported, and so is lost output (a full disk): both give device_failed unless something worse is known. At its end
+/// it waits for readers that are slow, seconds at most.
 int exit_status_of(const std::function<int()>& program) noexcept;
 
 }  // namespace skein::app

@@ -45,6 +45,15 @@ class Stream {
     }
   }
 
+  void finish(double patience) noexcept {
+    try {
+      std::unique_lock lock(mutex_);
+      written_.wait_for(lock, std::chrono::duration<double>(patience),
+                        [this] { return waiting_.empty() && !writing_; });
+    } catch (...) {
+    }
+  }
+
   int error() const noexcept { return error_; }
 
  private:
@@ -137,6 +146,12 @@ void complain_lines(std::string_view sentences) noexcept {
     print_error("skein: " + std::string(sentences) + "\n");
   } catch (...) {
   }
+}
+
+void finish_output(double patience) noexcept {
+  const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(patience);
+  for (const int descriptor : {STDOUT_FILENO, STDERR_FILENO})
+    stream(descriptor).finish(std::chrono::duration<double>(until - std::chrono::steady_clock::now()).count());
 }
 
 void fill_standard_descriptors() noexcept {

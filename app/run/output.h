@@ -24,6 +24,9 @@ void complain(std::string_view sentence) noexcept;
 /// The same for what is several sentences, a line each, as Problem's message() returns them.
 void complain_lines(std::string_view sentences) noexcept;
 
+/// Waits until all text is written, at most `patience` in all [s]: for the program's end, when nothing drives.
+void finish_output(double patience) noexcept;
+
 /// Opens closed descriptors 0, 1 and 2 as /dev/null: otherwise the next robot's line would get one of them, and receive
 /// the program's output. Call it before anything is opened.
 void fill_standard_descriptors() noexcept;

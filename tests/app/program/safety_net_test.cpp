@@ -20,6 +20,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <future>
 #include <stop_token>
 #include <string_view>
 #include <thread>
@@ -445,6 +446,35 @@ TEST(Output, NeitherThrowsNorWaitsForAReaderThatDoesNotRead) {
   ::dup2(kept, STDERR_FILENO);
   for (const int descriptor : {kept, ends[0], ends[1]}) ::close(descriptor);
   EXPECT_LT(took, 30.0) << "a thousand short waits are a long one";
+}
+
+TEST(Output, TheLastWordsAreWrittenThoughTheReaderIsLate) {
+  std::signal(SIGPIPE, SIG_IGN);
+  int ends[2];
+  ASSERT_EQ(::pipe(ends), 0);
+  const int kept = ::dup(STDERR_FILENO);
+  ::dup2(ends[1], STDERR_FILENO);
+  std::string read;
+  std::promise<void> ended;
+  std::thread reader;
+  exit_status_of([&] {
+    for (int k = 0; k < 2; ++k) complain(std::string(60'000, 'x'));  // a pipe holds 64 kB
+    complain("the reason");
+    reader = std::thread([&] {  // as late as that, or once it would be too late
+      ended.get_future().wait_for(std::chrono::milliseconds(500));
+      std::array<char, 4096> some;
+      for (ssize_t count = 0; (count = ::read(ends[0], some.data(), some.size())) > 0;)
+        read.append(some.data(), static_cast<std::size_t>(count));
+    });
+    return 3;
+  });
+  ::dup2(kept, STDERR_FILENO);
+  ::close(kept);
+  ::close(ends[1]);
+  ended.set_value();
+  reader.join();
+  ::close(ends[0]);
+  EXPECT_NE(read.find("the reason"), std::string::npos) << read.size() << " bytes";
 }
 
 TEST_F(DyingProgram, WhereTheMarkerCannotBeWrittenTheReasonIsSaid) {

@@ -375,8 +375,11 @@ trajectory = { path = { shape = "line", from = [0.344, 0.19], to = [0.307, 0.246
     bench.start();
     double least = 1.0;
     for (int k = 0; k < 25.0 * rate; ++k) {
-      bench.step();
+      const RobotRecord& robot = bench.step().robots[0];
       least = std::min(least, core::distance(bench.truth[0], bench.truth[1]));
+      const core::WheelSpeeds wanted = experiment->robots[0].drive.wheels(robot.command);
+      ASSERT_GE(robot.wheels.left * wanted.left, 0.0) << "a wheel that has rolled too far waits; t = " << bench.now;
+      ASSERT_GE(robot.wheels.right * wanted.right, 0.0) << "t = " << bench.now;
     }
     const double bodies = experiment->robots[0].radius + experiment->robots[1].radius;
     EXPECT_GT(least, bodies + 0.007) << rate << " Hz";
