@@ -49,8 +49,7 @@ Findings cameras(const Machine& machine, const Examination& examination) {
   for (const fs::path& device : devices) {
     const std::string path = "/dev/" + device.filename().string();
     names.push_back(fmt::format("{} ({})", path, read(device / "name")));
-    if (!machine.usable(path))
-      result.push_back({State::ill, path, "you have no permission to open it", "see the group video above"});
+    if (!machine.usable(path)) result.push_back(no_permission(machine, path, "video"));
   }
   bool wanted = false;
   bool receivers = false;

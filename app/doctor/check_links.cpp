@@ -116,8 +116,7 @@ Findings serial(const Machine& machine, const Examination& examination) {
         result.push_back({State::ill, address->device, fmt::format("is not there; {} has a robot on it", file),
                           "plug it in, or correct its link in the file"});
       else if (!machine.usable(address->device))
-        result.push_back(
-            {State::ill, address->device, "you have no permission to open it", "see the group dialout above"});
+        result.push_back(no_permission(machine, address->device, "dialout"));
     }
   return result;
 }

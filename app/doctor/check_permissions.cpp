@@ -1,10 +1,14 @@
 #include "app/doctor/checks.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace skein::app::detail {
 namespace {
@@ -13,10 +17,37 @@ using State = Finding::State;
 
 constexpr int needed_priority = 22;  // the guard's, the highest that is requested
 
-Finding group(const Machine& machine, const char* name, const char* what) {
+/// What only members of a group may open, unless the system opens it to whoever sits at the machine (udev's uaccess).
+struct Guarded {
+  const char* group;
+  const char* what;
+  std::vector<const char*> devices;  // below /dev: how their names begin
+};
+
+/// Those that are there and that this process may not open.
+std::vector<std::string> closed(const Machine& machine, const Guarded& guarded, bool& any) {
+  std::vector<std::string> result;
+  for (const char* const beginning : guarded.devices)
+    for (const std::filesystem::path& device : entries(below(machine, "/dev"), beginning)) {
+      any = true;
+      std::string path = "/dev/" + device.filename().string();
+      if (!machine.usable(path)) result.push_back(std::move(path));
+    }
+  return result;
+}
+
+Finding group(const Machine& machine, const Guarded& guarded) {
+  const char* const name = guarded.group;
   const std::string subject = fmt::format("group {}", name);
   if (machine.superuser || is_in(machine, name))
     return well(subject, machine.superuser ? "root needs none" : "you are in it");
+  bool any = false;
+  const std::vector<std::string> closed_ones = closed(machine, guarded, any);
+  if (any && closed_ones.empty())
+    return well(subject, fmt::format("{} is not in it and need not be: {} that are there can be opened", machine.user,
+                                     guarded.what));
+  const std::string what =
+      closed_ones.empty() ? guarded.what : fmt::format("{} ({})", guarded.what, fmt::join(closed_ones, ", "));
   if (is_in_after_login(machine, name))
     return {State::ill, subject,
             fmt::format("{} is in it from the next login on: until then {} cannot be opened", machine.user, what),
@@ -83,8 +114,8 @@ Finding memory_lock(const Machine& machine) {
 }  // namespace
 
 Findings check_permissions(const Machine& machine) {
-  return {group(machine, "dialout", "robots on serial lines"), group(machine, "video", "cameras"), priority(machine),
-          memory_lock(machine)};
+  return {group(machine, {"dialout", "robots on serial lines", {"rfcomm", "ttyACM", "ttyUSB"}}),
+          group(machine, {"video", "cameras", {"video"}}), priority(machine), memory_lock(machine)};
 }
 
 }  // namespace skein::app::detail

@@ -37,6 +37,13 @@ std::vector<fs::path> entries(const fs::path& folder, const std::string& beginni
   return result;
 }
 
+Finding no_permission(const Machine& machine, const std::string& path, const char* group) {
+  return {Finding::State::ill, path, "you have no permission to open it",
+          machine.superuser || is_in(machine, group)
+              ? fmt::format("as root: chgrp {0} {1} && chmod g+rw {1}", group, path)
+              : fmt::format("see the group {} above", group)};
+}
+
 Finding well(std::string what, std::string found) {
   return {State::well, std::move(what), std::move(found), {}};
 }

@@ -41,6 +41,8 @@ bool is_in(const Machine& machine, const std::string& group);
 bool is_in_after_login(const Machine& machine, const std::string& group);
 
 Finding well(std::string what, std::string found);
+/// A device that this process may not open, though it should be `group`'s.
+Finding no_permission(const Machine& machine, const std::string& path, const char* group);
 /// The kernel's files are not there, as in some containers: whether all is well cannot be seen.
 Finding not_known(std::string what, const char* path, Finding::State state = Finding::State::note);
 

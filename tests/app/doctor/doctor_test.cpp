@@ -39,6 +39,13 @@ TEST(Doctor, AHealthyMachineIsWell) {
   EXPECT_EQ(patient.complaints(), std::vector<std::string>());
 }
 
+// As on a desktop: udev opens cameras, and with the rules of skein-permissions robots, to whoever sits at the machine.
+TEST(Doctor, NobodyNeedsAGroupForDevicesThatAreOpen) {
+  Patient patient;
+  patient.machine.groups = {"anna"};
+  EXPECT_EQ(patient.complaints(), std::vector<std::string>());
+}
+
 TEST(Doctor, StartsAnExperimentsOwnController) {
   Patient patient;
   patient.machine.start_controller = this_machine().start_controller;
@@ -68,8 +75,10 @@ const Fault faults[] = {
          return tl::unexpected(std::string("the controller did not become ready: No module named 'numpy'"));
        };
      }},
-    {"GroupDialout", State::ill, "group dialout", [](Patient& p) { p.machine.groups = {"video"}; }},
-    {"GroupVideo", State::ill, "group video", [](Patient& p) { p.machine.groups = {"dialout"}; }},
+    {"GroupDialout", State::ill, "group dialout",
+     [](Patient& p) { p.machine.groups = {"video"}, p.close("/dev/ttyUSB7"); }},
+    {"GroupVideo", State::ill, "group video: anna is not in it: cameras (/dev/video7) cannot be opened",
+     [](Patient& p) { p.machine.groups = {"dialout"}, p.close("/dev/video7"); }},
     {"NoPriority", State::ill, "real-time priority: not granted (limit 0", [](Patient& p) { p.machine.rtprio = 0; }},
     {"PriorityBelowTheGuards", State::ill, "limit 21, requested 22", [](Patient& p) { p.machine.rtprio = 21; }},
     {"RootOfAContainerWithoutPriority", State::ill, "start it as root, with --cap-add=SYS_NICE",
@@ -187,7 +196,9 @@ const Fault faults[] = {
     {"SwitchOfTheMachine", State::ill, "hci0 is blocked by a switch of the machine",
      [](Patient& p) { p.write("/sys/class/rfkill/rfkill0/hard", "1\n"); }},
     {"GroupFromTheNextLogin", State::ill, "group dialout: anna is in it from the next login on",
-     [](Patient& p) { p.machine.groups = {"video"}, p.write("/etc/group", "dialout:x:20:bob,anna\n"); }},
+     [](Patient& p) {
+       p.machine.groups = {"video"}, p.close("/dev/ttyUSB7"), p.write("/etc/group", "dialout:x:20:bob,anna\n");
+     }},
     {"NoDaemon", State::ill, "Bluetooth daemon: it does not run",
      [](Patient& p) {
        p.machine.adapters = []() -> tl::expected<std::vector<BluetoothAdapter>, std::string> {
@@ -325,6 +336,7 @@ TEST(Doctor, SaysWhatCannotBeSeen) {
 TEST(Doctor, WhatCanBeFixedIsACommand) {
   Patient patient;
   patient.machine.groups = {"video"};
+  patient.close("/dev/ttyUSB7");
   patient.machine.rtprio = 0;
   std::vector<std::vector<std::string>> commands;
   for (const Finding& finding : examine(patient.machine, patient.examination))

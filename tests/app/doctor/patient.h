@@ -74,6 +74,11 @@ class Patient {
   Patient(const Patient&) = delete;
   Patient& operator=(const Patient&) = delete;
 
+  /// A device that only members of its group may open.
+  void close(const std::string& path) {
+    write(path, "");
+    machine.usable = [path](const std::string& device) { return device != path; };
+  }
   void write(const std::string& path, const std::string& text) const {
     const std::filesystem::path file = folder / path.substr(1);
     std::filesystem::create_directories(file.parent_path());
