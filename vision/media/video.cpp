@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <string_view>
 #include <vector>
 
 #include "vision/media/jpeg.h"
@@ -95,9 +96,13 @@ class Video final : public FrameSource {
       if (read < 0) {
         if (ended_) return false;
         ended_ = true;
+        look_for_a_rest();
         return avcodec_send_packet(codec_.get(), nullptr) >= 0;
       }
       if (packet_->stream_index != stream_->index) continue;
+      if (packet_->pts != AV_NOPTS_VALUE)
+        ends_at_ =
+            std::max(ends_at_, static_cast<double>(packet_->pts + packet_->duration) * av_q2d(stream_->time_base));
       if (recorded_) remember_stamp();
       if (codec_->codec_id == AV_CODEC_ID_MJPEG && is_damaged_jpeg()) {
         ++pictures_;  // those behind it keep their numbers
@@ -107,6 +112,22 @@ class Video final : public FrameSource {
       if (avcodec_send_packet(codec_.get(), packet_.get()) >= 0) return true;
       complain("cannot be decoded");
     }
+  }
+
+  /// Copies that broke off and disks that were full end a film early; FFmpeg takes that for its end.
+  void look_for_a_rest() {
+    const bool stated = file_->duration_estimation_method == AVFMT_DURATION_FROM_STREAM;
+    double length = -1.0;  // of the film, as its header states it [s]
+    if (stated && stream_->duration != AV_NOPTS_VALUE)
+      length = static_cast<double>(stream_->duration) * av_q2d(stream_->time_base);
+    else if (stated && file_->nb_streams == 1 && file_->duration != AV_NOPTS_VALUE)
+      length = static_cast<double>(file_->duration) / AV_TIME_BASE;
+    if (std::string_view(file_->iformat->name) == "avi")  // whose length FFmpeg takes from what there is
+      length = std::max(length, static_cast<double>(stream_->nb_frames) * av_q2d(stream_->time_base));
+    const double rounding = rate_ > 0.0 ? 2.0 / rate_ : 0.1;  // headers and last frames are not that exact [s]
+    if (ends_at_ < 0.0 || length < ends_at_ + rounding) return;
+    skipped_.push_back(
+        fmt::format("{}: all behind {:.2f} s is missing: its header states {:.2f} s", path_, ends_at_, length));
   }
 
   /// FFmpeg goes on behind a flipped bit and says nothing, though what follows may stand elsewhere: tags, too.
@@ -177,6 +198,7 @@ class Video final : public FrameSource {
   bool ended_ = false;
   double rate_ = 0.0;
   double last_time_ = -1.0;
+  double ends_at_ = -1.0;  // its newest packet, in its own time [s]
   std::int64_t first_stamp_ = AV_NOPTS_VALUE;
   std::map<std::int64_t, Stamp> stamps_;  // of a recorded film's packets that are being decoded, by their times
   std::int64_t pictures_ = 0;             // that the decoder gave

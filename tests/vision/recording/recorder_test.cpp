@@ -178,6 +178,31 @@ TEST(Recorder, AFilmThatBreaksOffLosesItsEndOnly) {
   EXPECT_LT(frames, 40);
 }
 
+TEST(Recorder, AFilmWhoseRestIsMissingSaysSo) {
+  test::Folder folder;
+  detail::Random random(9);
+  const std::string path = folder.file("film.mkv");
+  {
+    auto recorder = Recorder::open(path);
+    ASSERT_TRUE(recorder) << recorder.error();
+    for (std::int64_t i = 0; i < 50; ++i) (*recorder)->add(noisy_frame(160, 120, i, random));
+  }
+  const auto missing = [&] {
+    auto film = open_source("video:" + path);
+    EXPECT_TRUE(film) << film.error();
+    Frame frame;
+    while ((*film)->read(frame).value()) {
+    }
+    return std::vector<std::string>((*film)->skipped().begin(), (*film)->skipped().end());
+  };
+  EXPECT_EQ(missing(), std::vector<std::string>());
+  const std::string bytes = test::read_file(path);
+  test::write_file(path, bytes.substr(0, bytes.size() * 6 / 10));  // a copy that broke off
+  const std::vector<std::string> said = missing();
+  ASSERT_FALSE(said.empty());
+  EXPECT_NE(said.back().find("film.mkv: all behind "), std::string::npos) << said.back();
+}
+
 TEST(Recorder, DamagedFramesAreSkippedAndReported) {
   test::Folder folder;
   detail::Random random(7);

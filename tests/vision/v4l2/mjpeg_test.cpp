@@ -210,6 +210,59 @@ TEST(Mjpeg, ADamagedFrameOfAFilmIsLeftOutAndSaid) {
   EXPECT_TRUE((*source)->skipped()[0].ends_with("is damaged")) << (*source)->skipped()[0];
 }
 
+std::string number(std::uint32_t value, int bytes = 4) {
+  std::string text;
+  for (int k = 0; k < bytes; ++k) text += static_cast<char>(value >> (8 * k));
+  return text;
+}
+std::string chunk(const std::string& name, const std::string& content) {
+  return name + number(static_cast<std::uint32_t>(content.size())) + content + std::string(content.size() % 2, '\0');
+}
+
+/// An AVI of 25 frames/s, as other programs write it.
+std::string avi_of(const std::vector<Bytes>& pictures, std::uint32_t width, std::uint32_t height) {
+  const auto frames = static_cast<std::uint32_t>(pictures.size());
+  const std::string film = number(40000) + number(0) + number(0) + number(0) + number(frames) + number(0) + number(1) +
+                           number(0) + number(width) + number(height) + std::string(16, '\0');
+  const std::string stream = "vidsMJPG" + number(0) + number(0) + number(0) + number(1) + number(25) + number(0) +
+                             number(frames) + number(0) + number(0xffffffff) + number(0) + std::string(8, '\0');
+  const std::string format = number(40) + number(width) + number(height) + number(1, 2) + number(24, 2) + "MJPG" +
+                             number(3 * width * height) + std::string(16, '\0');
+  std::string movie = "movi";
+  for (const Bytes& picture : pictures) movie += chunk("00dc", std::string(picture.begin(), picture.end()));
+  return chunk("RIFF", "AVI " +
+                           chunk("LIST", "hdrl" + chunk("avih", film) +
+                                             chunk("LIST", "strl" + chunk("strh", stream) + chunk("strf", format))) +
+                           chunk("LIST", movie));
+}
+
+/// FFmpeg takes an AVI for as long as what there is of it, whatever its header states.
+TEST(Mjpeg, AnAviWhoseRestIsMissingSaysSo) {
+  SyntheticCamera camera(overhead_calibration(2.0, 1.5), {}, 3);
+  Frame frame;
+  std::vector<Bytes> pictures;
+  for (int k = 0; k < 20; ++k) {
+    camera.render(std::vector{SyntheticTag{k, {0.0, 0.0, 0.0}, 0.06}}, 0.04 * k, frame);
+    pictures.push_back(encode(frame, false));
+  }
+  const std::string avi =
+      avi_of(pictures, static_cast<std::uint32_t>(frame.width), static_cast<std::uint32_t>(frame.height));
+  test::Folder folder;
+  const std::string path = folder.file("film.avi");
+  for (const bool whole : {true, false}) {
+    test::write_file(path, whole ? avi : avi.substr(0, avi.size() / 2));
+    const auto source = open_source("video:" + path);
+    ASSERT_TRUE(source) << source.error();
+    std::int64_t frames = 0;
+    while ((*source)->read(frame).value()) ++frames;
+    EXPECT_EQ(frames == 20, whole) << frames;
+    const auto said = (*source)->skipped();
+    EXPECT_EQ(said.empty(), whole);
+    if (whole) continue;
+    EXPECT_NE(said.back().find("is missing: its header states 0.80 s"), std::string::npos) << said.back();
+  }
+}
+
 TEST(Mjpeg, AHeaderThatAsksForAllOfTheMemoryIsDamaged) {
   const Floor floor;
   Bytes bytes = encode(floor.frame, false);
