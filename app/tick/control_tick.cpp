@@ -125,9 +125,10 @@ TickMemory::TickMemory(const Experiment& e, const core::Gains& first, const core
   stuck.resize(n);
   standing.reserve(obstacles.all().size() + n);
   off_nominal.resize(n);
-  owed.resize(n);
-  for (const RobotSpec& robot : e.robots)
-    wheels.push_back({core::ExpectedWheel(robot.motor), core::ExpectedWheel(robot.motor)});
+  for (const RobotSpec& robot : e.robots) {
+    const DrivenWheel wheel{core::ExpectedWheel(robot.motor)};
+    wheels.push_back({wheel, wheel});
+  }
   acts_at.resize(n, none);
   trust.resize(n, 1.0);
   driving.resize(n);
@@ -537,31 +538,34 @@ void TickState::limit_and_shield() noexcept {
 
 namespace {
 
-/// What a wheel is told that owes `owed`: never to turn against what is wanted of it, so that it waits where it has
-/// rolled too far. [steps/s]
-double to_command(core::MotorModel motor, double wanted, double owed) noexcept {
-  const double due = wanted + owed;
+/// What a wheel is told of which `wanted` is wanted [steps/s]: never to turn against that. It waits where it has rolled
+/// too far.
+double to_command(core::MotorModel motor, DrivenWheel& wheel, double wanted) noexcept {
+  const double due = wanted + wheel.owed(wanted);
   return due * wanted > 0.0 ? core::nearest_command(motor, due) : 0.0;
 }
 
 }  // namespace
 
-/// Twists to step rates. A real motor runs only some rates: what one tick does too much or too little, the next ones
-/// make good.
+/// Twists to step rates. What one tick does too much or too little, the next ones make good.
 void TickState::drive_wheels() noexcept {
   for (std::size_t i = 0; i < robots(); ++i) {
     RobotRecord& robot = record.robots[i];
     const RobotSpec& spec = experiment.robots[i];
     const core::WheelSpeeds wanted = spec.drive.wheels(commands[i]);
-    if (robot.is(stopped)) owed[i] = {};
+    auto& [left, right] = wheels[i];
+    const bool stands = robot.is(stopped);
+    if (stands) left = {left.expected}, right = {right.expected};
     const core::WheelSpeeds before = robot.wheels;
-    robot.wheels = {to_command(spec.motor, wanted.left, owed[i].left),
-                    to_command(spec.motor, wanted.right, owed[i].right)};
+    robot.wheels = {to_command(spec.motor, left, wanted.left), to_command(spec.motor, right, wanted.right)};
     const bool sent = robot.wheels != before;  // to both wheels, or to none
-    const core::WheelSpeeds runs{wheels[i].left.command(robot.wheels.left, sent, record.period, experiment.period()),
-                                 wheels[i].right.command(robot.wheels.right, sent, record.period, experiment.period())};
-    if (spec.motor != core::MotorModel::ideal && !robot.is(stopped))
-      owed[i] = {wanted.left + owed[i].left - runs.left, wanted.right + owed[i].right - runs.right};
+    const auto run = [&](DrivenWheel& wheel, double told, double wanted_of_it) {
+      const double rate = wheel.expected.command(told, sent, record.period, experiment.period());
+      if (spec.motor != core::MotorModel::ideal && !stands) wheel.owed(wanted_of_it) += wanted_of_it - rate;
+      return rate;
+    };
+    const core::WheelSpeeds runs{run(left, robot.wheels.left, wanted.left),
+                                 run(right, robot.wheels.right, wanted.right)};
     acts_at[i] = record.now + robot.actuation_delay;
     filters[i].command(acts_at[i], adrift[i] ? driving[i] : spec.drive.twist(runs));
     watch.drives(i, is_out(i) ? core::Pose{none, none, none} : poses[i], spec.drive.twist(runs));

@@ -41,8 +41,16 @@ struct TickSetup {
   std::vector<core::AvoidanceParameters> fields;  // (30) of each robot
 };
 
-struct ExpectedWheels {
-  core::ExpectedWheel left, right;
+/// A wheel, as it is expected to roll, and the motion still to be made up for because a real motor runs only some
+/// rates: of each direction of its own, since which way it is to turn may change from tick to tick.
+struct DrivenWheel {
+  core::ExpectedWheel expected;
+  double owed_forwards = 0.0, owed_backwards = 0.0;  // [steps/s in one tick]
+
+  double& owed(double wanted) noexcept { return wanted < 0.0 ? owed_backwards : owed_forwards; }
+};
+struct DrivenWheels {
+  DrivenWheel left, right;
 };
 
 /// What a tick remembers, all of it values: a copy goes on like the original.
@@ -75,12 +83,11 @@ struct TickMemory {
   std::vector<core::PoseFilter> filters;
   std::vector<core::CameraWatch> camera_watch;  // of each camera
   core::CameraFusion fusion;
-  std::vector<bool> seen_or_missed;     // seen, or reported lost: from then on losses and finds are reported
-  std::vector<bool> held;               // made to stand by the operator
-  std::vector<bool> off_nominal;        // follows a modified reference
-  std::vector<ExpectedWheels> wheels;   // what each one's wheels roll at its commands
-  std::vector<core::WheelSpeeds> owed;  // motion still to be made up for, because step rates are coarse
-  std::vector<double> acts_at;          // from when on the newest commands act [s]
+  std::vector<bool> seen_or_missed;  // seen, or reported lost: from then on losses and finds are reported
+  std::vector<bool> held;            // made to stand by the operator
+  std::vector<bool> off_nominal;     // follows a modified reference
+  std::vector<DrivenWheels> wheels;
+  std::vector<double> acts_at;  // from when on the newest commands act [s]
   std::vector<core::ObedienceWatch> obedience;
 
   // What lasts for one tick.
@@ -109,11 +116,13 @@ struct TickState : TickSetup, TickMemory {
   void obey(const OperatorCommand& command, bool recorded) noexcept;
   void start() noexcept;
   void stage() noexcept;
-  /// Discards what was measured while nothing was recorded: otherwise a run could not be repeated from its record.
+  /// Discards what was seen and done while nothing was recorded: otherwise a run could not be repeated from its record.
   void forget_history() noexcept {
     for (core::PoseFilter& filter : filters) filter.forget();
     for (core::CameraWatch& of_camera : camera_watch) of_camera.forget();
     for (core::ObedienceWatch& of_robot : obedience) of_robot.forget();
+    for (DrivenWheels& of_robot : wheels)
+      for (DrivenWheel* const wheel : {&of_robot.left, &of_robot.right}) wheel->expected.forget();
     fusion.forget();
   }
   void accept_measurements(std::size_t i, const TickInput& input) noexcept;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace skein::core {
 namespace {
@@ -165,7 +166,7 @@ double ExpectedWheel::command(double speed, bool sent, double dt, double period)
     case MotorModel::epuck2:
       break;
   }
-  if (dt > 0.0) motor_.advance(std::min(dt, 1.0));  // after a longer time only its timer differs
+  if (std::exchange(begun_, true)) motor_.advance(std::min(dt, 1.0));  // after a longer time only its timer differs
   if (sent) motor_.command(speed);
   StepMotor ahead = motor_;
   ahead.advance(period);

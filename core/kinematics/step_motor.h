@@ -62,12 +62,15 @@ class ExpectedWheel {
  public:
   explicit ExpectedWheel(MotorModel model) noexcept : model_(model), motor_(model) {}
 
-  /// `dt` after the previous command, NaN at the first [s], this one takes effect [steps/s]. `sent`: a command went to
+  /// `dt` after the previous command, if there was one [s], this one takes effect [steps/s]. `sent`: a command went to
   /// the robot, for this wheel or the other. Returns the mean rate over the next `period` [steps/s, s].
   double command(double speed, bool sent, double dt, double period) noexcept;
+  /// It has stood for a while.
+  void forget() noexcept { *this = ExpectedWheel(model_); }
 
  private:
   MotorModel model_;
+  bool begun_ = false;  // there was a command
   double speed_ = 0.0;  // commanded
   StepMotor motor_;
 };

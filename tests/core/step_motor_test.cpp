@@ -100,12 +100,11 @@ double farthest_from_expected(const std::vector<double>& speeds, double period, 
   StepMotor motor(MotorModel::epuck2);
   motor.advance(phase);
   ExpectedWheel expected(MotorModel::epuck2);
-  double rolls = 0.0, worst = 0.0, before = 0.0, passed = std::nan("");
+  double rolls = 0.0, worst = 0.0, before = 0.0;
   for (const double speed : speeds) {
     const bool sent = speed != before;
     before = speed;
-    rolls += period * expected.command(speed, sent, passed, period);
-    passed = period;
+    rolls += period * expected.command(speed, sent, period, period);
     if (sent) motor.command(speed);
     motor.advance(period);
     worst = std::max(worst, std::abs(rolls - motor.position()));
