@@ -235,6 +235,12 @@ class Lab:
         path = self.case / "log"
         return path.read_text(errors="replace")[-600:] if path.exists() else ""
 
+    def hears(self, words, seconds=5.0):
+        """Waits until the run has said this, whatever it has said since."""
+        path = self.case / "log"
+        said = lambda: path.exists() and words in path.read_text(errors="replace")
+        wait_until(f'"{words}" from the run, which said: {self.log()}', said, seconds)
+
     def skein_says(self, *words, seconds=30.0):
         """Another `skein`, its exit status and what it said."""
         done = subprocess.run([self.skein, *map(str, words)], cwd=self.case, env=self.environment, text=True,

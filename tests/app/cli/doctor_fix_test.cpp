@@ -47,7 +47,8 @@ esac
 /// The machine of a user who has just logged in. What is wrong with it is in its folder.
 class DoctorFix : public testing::Test {
  protected:
-  DoctorFix() : path_(std::getenv("PATH") != nullptr ? std::getenv("PATH") : "") {
+  DoctorFix() {
+    if (const char* const path = std::getenv("PATH")) path_ = path;
     for (const char* name :
          {"sudo", "adduser", "addgroup", "sysctl", "rfkill", "systemctl", "busctl", "apt-get", "udevadm", "sh"}) {
       patient.write(std::string("/bin/") + name, "#!/bin/sh\nroot='" + folder() + "'" + script);
@@ -149,6 +150,10 @@ void PrintTo(const Fixable& fault, std::ostream* text) {
 const std::string limits =
     R"(sh -c 'printf '\''@skein - rtprio 25\n@skein - memlock unlimited\n'\'' > /etc/security/limits.d/60-skein.conf')";
 
+const std::string latency_rule =
+    R"(fix   idle states: sh -c 'echo '\''KERNEL=="cpu_dma_latency", GROUP="skein", MODE="0660"'\'' > )"
+    "/etc/udev/rules.d/60-skein-latency.rules'";
+
 const std::vector<Fixable>& fixable() {
   static const std::vector<Fixable> all{
       {"Dialout",
@@ -164,10 +169,7 @@ const std::vector<Fixable>& fixable() {
          p.remove("/etc/udev/rules.d/60-skein-latency.rules");
        },
        {"fix   real-time priority: addgroup --quiet --system skein", "fix   real-time priority: " + limits,
-        "fix   real-time priority: adduser anna skein",
-        R"(fix   idle states: sh -c 'echo '\''KERNEL=="cpu_dma_latency", GROUP="skein", MODE="0660"'\'' > )"
-        "/etc/udev/rules.d/60-skein-latency.rules'",
-        "fix   idle states: udevadm control --reload",
+        "fix   real-time priority: adduser anna skein", latency_rule, "fix   idle states: udevadm control --reload",
         "fix   idle states: udevadm trigger --sysname-match=cpu_dma_latency"},
        true},
       {"MemoryLock",
