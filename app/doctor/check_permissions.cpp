@@ -24,16 +24,13 @@ struct Guarded {
   std::vector<const char*> devices;  // below /dev: how their names begin
 };
 
-/// Those that are there and that this process may not open.
-std::vector<std::string> closed(const Machine& machine, const Guarded& guarded, bool& any) {
-  std::vector<std::string> result;
+/// Those that are there.
+std::vector<std::string> devices(const Machine& machine, const Guarded& guarded) {
+  std::vector<std::string> paths;
   for (const char* const beginning : guarded.devices)
-    for (const std::filesystem::path& device : entries(below(machine, "/dev"), beginning)) {
-      any = true;
-      std::string path = "/dev/" + device.filename().string();
-      if (!machine.usable(path)) result.push_back(std::move(path));
-    }
-  return result;
+    for (const std::filesystem::path& device : entries(below(machine, "/dev"), beginning))
+      paths.push_back("/dev/" + device.filename().string());
+  return paths;
 }
 
 Finding group(const Machine& machine, const Guarded& guarded) {
@@ -41,13 +38,14 @@ Finding group(const Machine& machine, const Guarded& guarded) {
   const std::string subject = fmt::format("group {}", name);
   if (machine.superuser || is_in(machine, name))
     return well(subject, machine.superuser ? "root needs none" : "you are in it");
-  bool any = false;
-  const std::vector<std::string> closed_ones = closed(machine, guarded, any);
-  if (any && closed_ones.empty())
+  std::vector<std::string> closed = devices(machine, guarded);
+  const bool any = !closed.empty();
+  std::erase_if(closed, machine.usable);
+  if (any && closed.empty())
     return well(subject, fmt::format("{} is not in it and need not be: {} that are there can be opened", machine.user,
                                      guarded.what));
   const std::string what =
-      closed_ones.empty() ? guarded.what : fmt::format("{} ({})", guarded.what, fmt::join(closed_ones, ", "));
+      closed.empty() ? guarded.what : fmt::format("{} ({})", guarded.what, fmt::join(closed, ", "));
   if (is_in_after_login(machine, name))
     return {State::ill, subject,
             fmt::format("{} is in it from the next login on: until then {} cannot be opened", machine.user, what),

@@ -38,9 +38,7 @@ class Stream {
       waiting_ += text;
       added_.notify_one();
       if (stuck_ && patience <= short_patience) return;  // many short waits are a long one
-      const bool written = written_.wait_for(lock, std::chrono::duration<double>(patience),
-                                             [this] { return waiting_.empty() && !writing_; });
-      stuck_ = !written;
+      stuck_ = !all_is_written(lock, patience);
     } catch (...) {  // no memory, no thread: there is no way left to report it
     }
   }
@@ -48,8 +46,7 @@ class Stream {
   void finish(double patience) noexcept {
     try {
       std::unique_lock lock(mutex_);
-      written_.wait_for(lock, std::chrono::duration<double>(patience),
-                        [this] { return waiting_.empty() && !writing_; });
+      all_is_written(lock, patience);
     } catch (...) {
     }
   }
@@ -57,6 +54,12 @@ class Stream {
   int error() const noexcept { return error_; }
 
  private:
+  /// Waits for it, at most `patience`. [s]
+  bool all_is_written(std::unique_lock<std::mutex>& lock, double patience) {
+    return written_.wait_for(lock, std::chrono::duration<double>(patience),
+                             [this] { return waiting_.empty() && !writing_; });
+  }
+
   void run() noexcept {
     try {
       std::unique_lock lock(mutex_);

@@ -554,14 +554,13 @@ void TickState::drive_wheels() noexcept {
     const RobotSpec& spec = experiment.robots[i];
     const core::WheelSpeeds wanted = spec.drive.wheels(commands[i]);
     auto& [left, right] = wheels[i];
-    const bool stands = robot.is(stopped);
-    if (stands) left = {left.expected}, right = {right.expected};
+    if (robot.is(stopped)) left = {left.expected}, right = {right.expected};
     const core::WheelSpeeds before = robot.wheels;
     robot.wheels = {to_command(spec.motor, left, wanted.left), to_command(spec.motor, right, wanted.right)};
     const bool sent = robot.wheels != before;  // to both wheels, or to none
     const auto run = [&](DrivenWheel& wheel, double told, double wanted_of_it) {
       const double rate = wheel.expected.command(told, sent, record.period, experiment.period());
-      if (spec.motor != core::MotorModel::ideal && !stands) wheel.owed(wanted_of_it) += wanted_of_it - rate;
+      if (spec.motor != core::MotorModel::ideal) wheel.owed(wanted_of_it) += wanted_of_it - rate;
       return rate;
     };
     const core::WheelSpeeds runs{run(left, robot.wheels.left, wanted.left),

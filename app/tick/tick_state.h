@@ -121,8 +121,7 @@ struct TickState : TickSetup, TickMemory {
     for (core::PoseFilter& filter : filters) filter.forget();
     for (core::CameraWatch& of_camera : camera_watch) of_camera.forget();
     for (core::ObedienceWatch& of_robot : obedience) of_robot.forget();
-    for (DrivenWheels& of_robot : wheels)
-      for (DrivenWheel* const wheel : {&of_robot.left, &of_robot.right}) wheel->expected.forget();
+    for (DrivenWheels& of_robot : wheels) of_robot.left.expected.forget(), of_robot.right.expected.forget();
     fusion.forget();
   }
   void accept_measurements(std::size_t i, const TickInput& input) noexcept;

@@ -21,10 +21,11 @@ class Failed(Exception):
 
 
 def wait_until(what, condition, seconds=30.0):
+    """`what`: for the message of a failure, or a function that then returns it."""
     end = time.monotonic() + seconds
     while not condition():
         if time.monotonic() > end:
-            raise Failed(f"waited {seconds:g} s in vain: {what}")
+            raise Failed(f"waited {seconds:g} s in vain: {what() if callable(what) else what}")
         time.sleep(0.002)
 
 
@@ -209,9 +210,9 @@ class Lab:
             self.drains = True
             self.drain = threading.Thread(target=self._drain, daemon=True)
             self.drain.start()
-        wait_until("robots that drive: " + self.log(), lambda: robots.all_drive() or process.poll() is not None)
+        wait_until(lambda: "robots that drive: " + self.last_words(), lambda: robots.all_drive() or process.poll() is not None)
         if process.poll() is not None:
-            raise Failed("the run ended by itself: " + self.log())
+            raise Failed("the run ended by itself: " + self.last_words())
         time.sleep(0.3)  # in the middle of it
         return process
 
@@ -232,14 +233,16 @@ class Lab:
         return since
 
     def log(self):
+        """All that runs have said in this case."""
         path = self.case / "log"
-        return path.read_text(errors="replace")[-600:] if path.exists() else ""
+        return path.read_text(errors="replace") if path.exists() else ""
+
+    def last_words(self):
+        return self.log()[-600:]
 
     def hears(self, words, seconds=5.0):
-        """Waits until the run has said this, whatever it has said since."""
-        path = self.case / "log"
-        said = lambda: path.exists() and words in path.read_text(errors="replace")
-        wait_until(f'"{words}" from the run, which said: {self.log()}', said, seconds)
+        """Waits until a run has said this, whatever it has said since."""
+        wait_until(lambda: f'"{words}" from the run, which said: {self.last_words()}', lambda: words in self.log(), seconds)
 
     def skein_says(self, *words, seconds=30.0):
         """Another `skein`, its exit status and what it said."""
