@@ -11,6 +11,7 @@
 #include "app/experiment/experiment_robots.h"
 #include "app/experiment/experiment_trajectory.h"
 #include "app/experiment/longest.h"
+#include "app/experiment/ways.h"
 #include "app/run/number_text.h"
 #include "core/planning/assignment.h"
 
@@ -177,6 +178,8 @@ void check_arena(const Experiment& e, const core::Reference& reference, Problems
                     significant(farthest.x, 4), significant(farthest.y, 4), x_most, x_most, y_most, y_most, room));
 }
 
+constexpr double leaves_at = 1.1;  // a detection region once entered is left only at this times its size
+
 /// The conditions of a robot's body and its detection region on an offset. Computed once: there are hundreds of
 /// thousands of offsets.
 class Rooms {
@@ -202,9 +205,15 @@ class Rooms {
   /// two robots so many places apart.
   double more(const Offset& at) const { return platoon_ ? most_beyond_[at.j] : beyond_[at.i] + beyond_[at.j]; }
 
+  /// Whether two bodies that are so far apart, as if both were standard ones, neither touch nor set off the shield.
+  static bool apart(const Experiment& e, double distance) {
+    return distance > core::standard_radius + core::standard_radius &&
+           (!e.shield.enabled || distance > e.shield.distance);
+  }
+
   /// How far inside the larger of the two robots' detection regions the other one is: at most 1 inside; farther out,
   /// anything above 1.
-  double level(const Offset& at, double leaves_at) const {
+  double level(const Offset& at) const {
     double least = std::numeric_limits<double>::infinity();
     const double by = more(at), dx = at.dx / leaves_at, dy = at.dy / leaves_at;
     const auto see = [&](const core::AvoidanceParameters& own) {
@@ -255,7 +264,6 @@ void refuse_meeting(const Experiment& e, const Offset& at, double more_room, Pro
 
 /// The reference itself must neither collide nor set off what keeps robots apart.
 void check_spacing(const Experiment& e, const core::Reference& reference, Problems& problems) {
-  constexpr double leaves_at = 1.1;  // a detection region once entered is left only at this times its size
   // `nearest`: as if the bodies were standard ones.
   double nearest = std::numeric_limits<double>::infinity(), level = nearest;
   Offset closest{};
@@ -263,7 +271,7 @@ void check_spacing(const Experiment& e, const core::Reference& reference, Proble
   for_each_offset(e, reference, [&](const Offset& offset) {
     if (const double d = std::hypot(offset.dx, offset.dy) - rooms.more(offset); d < nearest)
       nearest = d, closest = offset;
-    level = std::min(level, rooms.level(offset, leaves_at));
+    level = std::min(level, rooms.level(offset));
   });
   if (nearest <= core::standard_radius + core::standard_radius)
     return refuse_meeting(e, closest, rooms.more(closest), problems);
@@ -332,31 +340,78 @@ void check_starts(const Experiment& e, const core::Reference& reference, Problem
   }
 }
 
-/// Gives the ends of the robots' lines to the robots so that the sum of the squares of the ways is the smallest: robots
-/// that drove them in the same time would not meet (`turpin2014`), and the longest way is short.
-void exchange_places(Experiment& e, Problems& problems) {
-  const auto n = static_cast<Eigen::Index>(e.robots.size());
+/// Whether robot i can drive its line to another end, in the time that the file gives it.
+bool can_drive(const Experiment& e, std::size_t i, const core::Point& end) {
+  TrajectorySpec t = *e.robots[i].trajectory;
+  const core::Point from = t.path.points.front();
+  if (t.start == 0.0 && !t.duration) return true;
+  const double way = std::hypot(end.x - from.x, end.y - from.y) - t.start;
+  if (!(way > 0.0)) return false;
+  if (!t.duration) return true;
+  if (*t.duration < core::Travel::shortest(way, t.acceleration.value_or(e.reference.acceleration))) return false;
+  t.path.points.back() = end;
+  const core::ReferenceDemand demand = make_trajectory(t, e.reference)->demand(e.controller.k_y);
+  const core::CommandLimits limits = make_limits(e, i);
+  return demand.v < limits.v_max && demand.turning < limits.omega_max;
+}
+
+/// The squares of the ways from each robot's line to each end; infinite where its body is over the arena's edge there,
+/// or it cannot drive the line. An end to which obstacles leave it no way is taken only if there is no other.
+Eigen::MatrixXd costs_of_places(const Experiment& e, const std::vector<core::Point>& ends) {
+  const auto n = static_cast<Eigen::Index>(ends.size());
   Eigen::MatrixXd squared(n, n);
-  for (std::size_t i = 0; i < e.robots.size(); ++i) {
-    const std::optional<TrajectorySpec>& t = e.robots[i].trajectory;
-    if (!t || !t->samples.empty() || t->path.shape != PathShape::line || t->path.points.size() != 2 || t->distance) {
-      problems.add(
-          "reference.interchangeable",
-          fmt::format("found true, allowed: if every robot's trajectory is a whole line; robot {}'s is not", i + 1));
-      return;
-    }
-  }
   for (Eigen::Index i = 0; i < n; ++i)
     for (Eigen::Index j = 0; j < n; ++j) {
-      const auto& from = e.robots[static_cast<std::size_t>(i)].trajectory->path.points.front();
-      const auto& to = e.robots[static_cast<std::size_t>(j)].trajectory->path.points.back();
+      const core::Point& from = e.robots[static_cast<std::size_t>(i)].trajectory->path.points.front();
+      const core::Point& to = ends[static_cast<std::size_t>(j)];
       squared(i, j) = (from.x - to.x) * (from.x - to.x) + (from.y - to.y) * (from.y - to.y);
     }
-  const std::vector<std::size_t> place = core::cheapest_assignment(squared);
-  std::vector<core::Point> ends;
-  ends.reserve(e.robots.size());
-  for (const RobotSpec& robot : e.robots) ends.push_back(robot.trajectory->path.points.back());
-  for (std::size_t i = 0; i < e.robots.size(); ++i) e.robots[i].trajectory->path.points.back() = ends[place[i]];
+  const double dear = 1.0 + static_cast<double>(n) * squared.maxCoeff();
+  Ways ways(e);
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    const RobotSpec& robot = e.robots[i];
+    const core::Point& from = robot.trajectory->path.points.front();
+    const core::Pose start = robot.start.value_or(core::Pose{from.x, from.y, 0.0});
+    for (std::size_t j = 0; j < ends.size(); ++j) {
+      double& cost = squared(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+      const double over =
+          std::max(std::abs(ends[j].x) - 0.5 * e.arena_width, std::abs(ends[j].y) - 0.5 * e.arena_height);
+      if (over + robot.radius > 0.0 || !can_drive(e, i, ends[j]))
+        cost = std::numeric_limits<double>::infinity();
+      else if (!ways.lead(i, {start.x, start.y}, {ends[j].x, ends[j].y}))
+        cost += dear;
+    }
+  }
+  return squared;
+}
+
+/// Which end each robot takes: the cheapest of those for which all have room, whatever their sizes.
+std::vector<std::size_t> places_that_fit(const Experiment& e, const std::vector<core::Point>& ends) {
+  const bool field = e.avoidance.enabled && e.avoidance.kind == core::AvoidanceKind::field;
+  const Rooms rooms(e);
+  std::vector<core::AvoidanceParameters> regions;
+  for (std::size_t i = 0; i < ends.size(); ++i) regions.push_back(make_avoidance(e, i));
+  core::Fitting fitting;
+  fitting.both = [&](std::size_t i, std::size_t a, std::size_t j, std::size_t b) {
+    const Offset offset{ends[a].x - ends[b].x, ends[a].y - ends[b].y, i, j, 0.0};
+    return Rooms::apart(e, std::hypot(offset.dx, offset.dy) - rooms.more(offset)) &&
+           (!field || rooms.level(offset) > 1.0);
+  };
+  fitting.needs_no_less = [&](std::size_t k, std::size_t i) {
+    const core::AvoidanceParameters &own = regions[k], &other = regions[i];
+    return e.robots[k].radius >= e.robots[i].radius &&
+           (!field || (own.alpha >= other.alpha && own.beta >= other.beta && own.p >= other.p));
+  };
+  constexpr std::size_t most_trials = 500;
+  Eigen::MatrixXd costs = costs_of_places(e, ends);
+  std::vector<std::size_t> place = core::cheapest_fitting_assignment(costs, fitting, most_trials);
+  if (!place.empty()) return place;
+  // As the file has it, but for robots that need the same room.
+  for (std::size_t i = 0; i < ends.size(); ++i)
+    for (std::size_t j = 0; j < ends.size(); ++j)
+      if (!fitting.needs_no_less(i, j) || !fitting.needs_no_less(j, i))
+        costs(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = std::numeric_limits<double>::infinity();
+  return core::cheapest_fitting_assignment(costs, fitting, 1);
 }
 
 }  // namespace
@@ -369,7 +424,6 @@ void read_reference(TomlTable t, Experiment& e, Problems& problems) {
     t.number("acceleration", r.acceleration, above(0.0, 100.0, "m/s^2"));
     t.flag("may_meet", r.may_meet);
     t.flag("interchangeable", r.interchangeable);
-    if (r.interchangeable && problems.sound({"robot", "robot_defaults"})) exchange_places(e, problems);
   } else {
     t.number("start", r.start, between(-10.0 * longest_length, 10.0 * longest_length, "m"));
     if (r.kind == Kind::platoon) {
@@ -381,6 +435,34 @@ void read_reference(TomlTable t, Experiment& e, Problems& problems) {
     read_path(t.table("path"), r.path, true);
   }
   t.finish();
+}
+
+void exchange_places(Experiment& e, Problems& problems) {
+  if (e.reference.kind != Kind::independent || !e.reference.interchangeable) return;
+  if (!problems.sound({"robot", "robot_defaults"})) return;
+  std::vector<core::Point> ends;
+  for (std::size_t i = 0; i < e.robots.size(); ++i) {
+    const std::optional<TrajectorySpec>& t = e.robots[i].trajectory;
+    if (!t || !t->samples.empty() || t->path.shape != PathShape::line || t->path.points.size() != 2 || t->distance) {
+      problems.add(
+          "reference.interchangeable",
+          fmt::format("found true, allowed: if every robot's trajectory is a whole line; robot {}'s is not", i + 1));
+      return;
+    }
+    ends.push_back(t->path.points.back());
+  }
+  // Ends that do not fit are refused as the file has them.
+  if (!problems.sound({"reference", "arena", "controller", "avoidance", "shield", "obstacle"})) return;
+  const std::vector<std::size_t> place = places_that_fit(e, ends);
+  for (std::size_t i = 0; i < place.size(); ++i) {
+    core::Point &from = e.robots[i].trajectory->path.points.front(), &to = e.robots[i].trajectory->path.points.back();
+    const double way = std::hypot(to.x - from.x, to.y - from.y);
+    const core::Point ahead{(to.x - from.x) / way, (to.y - from.y) / way};
+    to = ends[place[i]];
+    // One that is at its place already stays, with the heading of its own line: no line leads from a point to itself.
+    constexpr double shortest = 1e-4;  // [m]
+    if (from == to && way > 0.0) from = {to.x - shortest * ahead.x, to.y - shortest * ahead.y};
+  }
 }
 
 bool check_shape(const Experiment& e, Problems& problems) {

@@ -333,6 +333,7 @@ void read_tables(const toml::table& document, Experiment& e, Problems& problems)
   read_table(t, "avoidance", e);
   read_table(t, "shield", e);
   read_obstacles(t, e);
+  exchange_places(e, problems);
   read_cameras(t, e, problems);
   read_table(t, "tags", e);
   read_table(t, "links", e);

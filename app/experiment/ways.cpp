@@ -15,6 +15,8 @@ namespace {
 
 using Place = core::Lattice::Place;
 
+constexpr double rounding = 5e-4;  // [m], as planned routes have it
+
 double length_of(const Place& from, const Place& to) noexcept {
   return std::hypot(to.x - from.x, to.y - from.y);
 }
@@ -119,12 +121,58 @@ const core::Lattice& ShortestPaths::lattice(double radius) {
   return made;
 }
 
+bool Ways::lead(std::size_t robot, const Place& from, const Place& to) {
+  if (experiment_.obstacles.empty()) return true;
+  const Parts& of = parts(experiment_.robots[robot].radius);
+  if (of.lattice.free(from, to)) return true;
+  const std::set<std::size_t> here = parts_near(of, from), there = parts_near(of, to);
+  if (here.empty() || there.empty()) return true;
+  return std::any_of(here.begin(), here.end(), [&](std::size_t part) { return there.count(part) > 0; });
+}
+
+const Ways::Parts& Ways::parts(double radius) {
+  if (const auto found = parts_.find(radius); found != parts_.end()) return found->second;
+  const double keep = experiment_.shield.distance + radius - 2.0 * core::standard_radius + rounding;
+  Parts& made = parts_
+                    .try_emplace(radius, Parts{{{0.5 * experiment_.arena_width, 0.5 * experiment_.arena_height},
+                                                keep,
+                                                experiment_.obstacles.size()},
+                                               {}})
+                    .first->second;
+  core::Lattice& lattice = made.lattice;
+  lattice.build(experiment_.obstacles);
+  made.part.assign(lattice.size(), lattice.size());
+  std::vector<std::size_t> open;
+  for (std::size_t first = 0; first < lattice.size(); ++first) {
+    if (!lattice.free(first) || made.part[first] != lattice.size()) continue;
+    made.part[first] = first;
+    open.push_back(first);
+    while (!open.empty()) {
+      const std::size_t here = open.back();
+      open.pop_back();
+      for (std::size_t d = 0; d < core::Lattice::directions; ++d)
+        if (const std::size_t v = lattice.neighbour(here, d); v != lattice.size() && made.part[v] == lattice.size()) {
+          made.part[v] = first;
+          open.push_back(v);
+        }
+    }
+  }
+  return made;
+}
+
+std::set<std::size_t> Ways::parts_near(const Parts& parts, const Place& place) const {
+  std::set<std::size_t> near;
+  parts.lattice.near(place.x, place.y, 2.0 * parts.lattice.cell(), [&](std::size_t v) {
+    if (parts.lattice.free(place, parts.lattice.place(v))) near.insert(parts.part[v]);
+  });
+  return near;
+}
+
 std::vector<std::string> missing_ways(const Experiment& experiment) {
   std::vector<std::string> sentences;
   const auto reference = make_reference(experiment);
   const std::vector<double> beyond = sizes_beyond(experiment);
-  constexpr double rounding = 5e-4;  // [m], as planned routes have it
-  constexpr double arrived = 0.01;   // so near to its place, as the summary of a run has it [m]
+  constexpr double arrived = 0.01;  // so near to its place, as the summary of a run has it [m]
   const core::Traffic nobody(1);
   for (std::size_t i = 0; i < experiment.robots.size(); ++i) {
     constexpr double after = 1e4;  // whatever comes to rest does so by then [s]

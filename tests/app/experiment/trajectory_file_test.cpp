@@ -1,5 +1,12 @@
 // Independent trajectories in experiment files: what is read, what is refused, and that such an experiment runs.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
+
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <string>
+#include <vector>
 
 #include "tests/app/experiment_texts.h"
 #include "tests/app/fixture.h"
@@ -84,6 +91,75 @@ TEST(Trajectories, OfInterchangeablePlacesAreTheShortest) {
   EXPECT_EQ(e.robots[1].trajectory->path.points, (std::vector<core::Point>{{-0.5, 0.3}, {0.5, 0.3}}));
   EXPECT_EQ(e.robots[1].trajectory->speed, 0.06) << "only the end is exchanged";
   EXPECT_EQ(good(cross("", line)).robots[0].trajectory->path.points.back(), (core::Point{0.5, 0.3}));
+}
+
+/// Robots whose places are interchangeable; each with what it is, where its line begins, and where it ends.
+struct Interchangeable {
+  const char* what;
+  core::Point from, to;
+};
+std::string interchangeable(const std::string& more, const std::vector<Interchangeable>& robots) {
+  std::string text =
+      "[reference]\nkind = 'independent'\nmay_meet = true\ninterchangeable = true\n[avoidance]\nkind = 'plan'\n" + more;
+  for (const auto& [what, from, to] : robots)
+    text +=
+        fmt::format("[[robot]]\n{}\ntrajectory = {{ path = {{ shape = 'line', from = [{}, {}], to = [{}, {}] }} }}\n",
+                    what, from.x, from.y, to.x, to.y);
+  return text;
+}
+
+core::Point end_of(const Experiment& e, std::size_t i) {
+  return e.robots[i].trajectory->path.points.back();
+}
+
+/// The nearest place of the large robot is that beside another one, where only a small robot has room.
+TEST(Trajectories, OfInterchangeablePlacesLeaveRoomForRobotsOfEverySize) {
+  const Experiment e = good(interchangeable("", {{"model = 'khepera4'", {-0.5, 0.0}, {0.5, 0.4}},
+                                                 {"", {-0.5, -0.3}, {0.3, 0.0}},
+                                                 {"", {-0.5, 0.3}, {0.3, -0.09}}}));
+  EXPECT_EQ(end_of(e, 0), (core::Point{0.5, 0.4}));
+  EXPECT_EQ(end_of(e, 1), (core::Point{0.3, -0.09}));
+  EXPECT_EQ(end_of(e, 2), (core::Point{0.3, 0.0}));
+}
+
+/// Nor is a body over the edge, where the small robot's was not.
+TEST(Trajectories, OfInterchangeablePlacesLeaveRoomAtTheEdge) {
+  const Experiment e =
+      good(interchangeable("", {{"model = 'khepera4'", {0.8, 0.0}, {0.0, 0.6}}, {"", {0.0, 0.0}, {0.96, 0.0}}}));
+  EXPECT_EQ(end_of(e, 0), (core::Point{0.0, 0.6}));
+  EXPECT_EQ(end_of(e, 1), (core::Point{0.96, 0.0}));
+}
+
+/// Both robots are at a place already. No line leads from a point to itself: each keeps the heading of its own.
+TEST(Trajectories, OfRobotsThatStandOnEachOthersPlacesLetThemStay) {
+  const Experiment e = good(interchangeable("", {{"", {-0.4, 0.0}, {0.4, 0.0}}, {"", {0.4, 0.0}, {-0.4, 0.0}}}));
+  const auto reference = make_reference(e);
+  for (const std::size_t i : {std::size_t{0}, std::size_t{1}}) {
+    const double x = i == 0 ? -0.4 : 0.4;
+    EXPECT_EQ(end_of(e, i), (core::Point{x, 0.0}));
+    EXPECT_NEAR(reference->at(i, 0.0).pose.x, x, 1.1e-4);
+    EXPECT_NEAR(std::abs(reference->at(i, e.duration).pose.theta), i == 0 ? 0.0 : std::numbers::pi, 1e-9);
+  }
+}
+
+/// A wall from edge to edge: each robot's place is behind it, and the other one's is not.
+TEST(Trajectories, OfInterchangeablePlacesLeadRoundObstacles) {
+  std::string wall;
+  for (int k = -7; k <= 7; ++k) wall += fmt::format("[[obstacle]]\nx = 0\ny = {}\nradius = 0.06\n", 0.1 * k);
+  const std::vector<Interchangeable> robots{{"", {-0.15, 0.6}, {0.15, 0.6}}, {"", {0.15, -0.6}, {-0.15, -0.6}}};
+  const Experiment e = good(interchangeable(wall, robots));
+  EXPECT_EQ(end_of(e, 0), (core::Point{-0.15, -0.6}));
+  EXPECT_EQ(end_of(e, 1), (core::Point{0.15, 0.6}));
+  EXPECT_EQ(end_of(good(interchangeable("", robots)), 0), (core::Point{0.15, 0.6})) << "the shortest where no wall is";
+}
+
+/// The shorter of two ways is too short for a trajectory that begins farther along it.
+TEST(Trajectories, OfInterchangeablePlacesCanBeDriven) {
+  const std::string text = interchangeable("", {{"", {-0.5, 0.0}, {0.5, 0.0}}, {"", {0.5, 0.2}, {-0.4, 0.0}}});
+  EXPECT_EQ(end_of(good(text), 0), (core::Point{-0.4, 0.0}));
+  std::string later = text;
+  later.replace(later.find("trajectory = {"), 14, "trajectory = { start = 0.2,");
+  EXPECT_EQ(end_of(good(later), 0), (core::Point{0.5, 0.0}));
 }
 
 TEST(Trajectories, AreInterchangeableOnlyIfAllAreWholeLines) {
