@@ -7,6 +7,7 @@ extern "C" {
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 
@@ -16,6 +17,30 @@ std::string reason(int error) {
   char text[AV_ERROR_MAX_STRING_SIZE] = {};
   av_strerror(error, text, sizeof text);
   return text;
+}
+
+namespace {
+thread_local Errors* listening = nullptr;
+}  // namespace
+
+Errors::Errors() : outer_(listening) {
+  av_log_set_callback(&Errors::hear);
+  listening = this;
+}
+
+Errors::~Errors() {
+  listening = outer_;
+}
+
+void Errors::hear(void* what, int level, const char* format, va_list values) {
+  if (level > AV_LOG_ERROR || listening == nullptr) return;
+  std::array<char, 200> line{};
+  int prefix = 0;  // without the name of what says it
+  av_log_format_line2(what, level, format, values, line.data(), static_cast<int>(line.size()), &prefix);
+  std::string_view words = line.data();
+  while (words.ends_with('\n') || words.ends_with('.') || words.ends_with(' ')) words.remove_suffix(1);
+  ++listening->count_;
+  if (!words.empty()) listening->last_ = words;
 }
 
 bool to_grey(const AVFrame& picture, Scaler& scaler, Frame& frame) {

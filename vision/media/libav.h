@@ -6,6 +6,7 @@ extern "C" {
 #include <libswscale/swscale.h>
 }
 
+#include <cstdarg>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -41,6 +42,27 @@ bool to_grey(const AVFrame& picture, Scaler& scaler, Frame& frame);
 
 /// FFmpeg's message for one of its error numbers.
 std::string reason(int error);
+
+/// What FFmpeg's log calls an error, of this thread, while this lives: it goes on behind most errors, and nothing but
+/// its log tells of them. Nothing of its log is printed from the first one on.
+class Errors {
+ public:
+  Errors();
+  ~Errors();
+  Errors(const Errors&) = delete;
+  Errors& operator=(const Errors&) = delete;
+
+  bool any() const { return count_ > 0; }
+  /// The words of the last one, or none.
+  const std::string& last() const { return last_; }
+
+ private:
+  static void hear(void* what, int level, const char* format, va_list values);
+
+  int count_ = 0;
+  std::string last_;
+  Errors* outer_;
+};
 
 /// The note that marks a recorded film, and its value: the format of Stamp.
 inline constexpr const char* film_note = "SKEIN_FILM";

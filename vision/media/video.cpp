@@ -1,8 +1,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <filesystem>
+#include <fstream>
 #include <map>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -15,6 +19,7 @@ namespace {
 
 constexpr std::int64_t most_pixels = 100'000'000;  // of a frame: more is a damaged file
 constexpr std::size_t most_complaints = 1000;
+constexpr std::int64_t most_held_back = 64;  // pictures, by a decoder
 
 class Video final : public FrameSource {
  public:
@@ -23,25 +28,35 @@ class Video final : public FrameSource {
   Video(const Video&) = delete;
   Video& operator=(const Video&) = delete;
 
-  bool open() {
+  /// Empty, or why the film cannot be read.
+  std::string open() {
+    const Errors errors;
     AVDictionary* options = nullptr;
     av_dict_set(&options, "protocol_whitelist", "file", 0);  // a play list must not make us fetch anything
-    const bool opened = avformat_open_input(&file_, ("file:" + path_).c_str(), nullptr, &options) >= 0;
+    int result = avformat_open_input(&file_, ("file:" + path_).c_str(), nullptr, &options);
     av_dict_free(&options);
-    if (!opened || avformat_find_stream_info(file_, nullptr) < 0) return false;
+    if (result >= 0) result = avformat_find_stream_info(file_, nullptr);
+    if (result < 0) return not_readable(errors, result);
     const AVCodec* coder = nullptr;
     const int best = av_find_best_stream(file_, AVMEDIA_TYPE_VIDEO, -1, -1, &coder, 0);
-    if (best < 0) return false;
+    if (best == AVERROR_DECODER_NOT_FOUND)
+      return fmt::format("{}: not a readable video: this system's FFmpeg has no decoder for it", path_);
+    if (best < 0)
+      return fmt::format("{}: not a readable video: there are no pictures in it{}", path_,
+                         errors.any() ? fmt::format(" ({})", errors.last()) : "");
     stream_ = file_->streams[best];
     codec_.reset(avcodec_alloc_context3(coder));
     picture_.reset(av_frame_alloc());
     packet_.reset(av_packet_alloc());
-    if (!codec_ || !picture_ || !packet_ || avcodec_parameters_to_context(codec_.get(), stream_->codecpar) < 0)
-      return false;
-    codec_->thread_count = 1;  // the same answer every time
+    if (!codec_ || !picture_ || !packet_) return not_readable(errors, AVERROR(ENOMEM));
+    result = avcodec_parameters_to_context(codec_.get(), stream_->codecpar);
+    codec_->thread_count = 1;  // the same answer every time, and errors are told on this thread
     codec_->max_pixels = most_pixels;
-    if (avcodec_open2(codec_.get(), coder, nullptr) < 0) return false;
-    if (codec_->width <= 0 || codec_->height <= 0) return false;
+    codec_->err_recognition = AV_EF_CRCCHECK | AV_EF_BITSTREAM | AV_EF_BUFFER;
+    if (result >= 0) result = avcodec_open2(codec_.get(), coder, nullptr);
+    if (result < 0) return not_readable(errors, result);
+    if (codec_->width <= 0 || codec_->height <= 0)
+      return fmt::format("{}: not a readable video: nothing in it tells how large its pictures are", path_);
     const AVDictionaryEntry* entry = nullptr;
     while ((entry = av_dict_get(file_->metadata, "", entry, AV_DICT_IGNORE_SUFFIX)) != nullptr)
       notes_[entry->key] = entry->value;
@@ -51,13 +66,13 @@ class Video final : public FrameSource {
     rate_ = rate.num > 0 && rate.den > 0 ? av_q2d(rate) : 0.0;
     what_ = fmt::format("{} {} ({}x{}, {:.3g} frames/s)", recorded_ ? "recording" : "video", path_, codec_->width,
                         codec_->height, rate_);
-    return true;
+    return {};
   }
 
   tl::expected<bool, std::string> read(Frame& frame) override {
     while (decode()) {
-      const char* damage = convert(frame);
-      if (damage == nullptr) {
+      const std::string damage = convert(frame);
+      if (damage.empty()) {
         ++whole_;
         return true;
       }
@@ -72,8 +87,29 @@ class Video final : public FrameSource {
   bool recorded() const override { return recorded_; }
   const FilmNotes& notes() const override { return notes_; }
   std::span<const std::string> skipped() const override { return skipped_; }
+  SourceStatus status() const override { return {.damaged = left_out_.load(std::memory_order_relaxed)}; }
 
  private:
+  std::string not_readable(const Errors& errors, int result) const {
+    const bool no_table = errors.last().find("moov atom not found") != std::string::npos;
+    if (no_table && begins_as_mp4())
+      return fmt::format(
+          "{}: not a readable video: its table of frames (moov), which is written last, is missing: the "
+          "recording or its copy broke off. Copy it again; a program that repairs MP4 files needs a "
+          "whole film of the same camera",
+          path_);
+    return fmt::format("{}: not a readable video: {}", path_,
+                       errors.any() && !no_table ? errors.last() : reason(result));
+  }
+
+  /// FFmpeg takes anything for one that has such a name.
+  bool begins_as_mp4() const {
+    std::array<char, 8> first{};
+    std::ifstream(path_, std::ios::binary).read(first.data(), first.size());
+    const std::string_view box(first.data() + 4, 4);
+    return box == "ftyp" || box == "wide" || box == "mdat";  // MP4, QuickTime
+  }
+
   /// The next picture of the film into picture_; false: there is none. Packets that cannot be decoded are passed over.
   bool decode() {
     for (;;) {
@@ -81,6 +117,7 @@ class Video final : public FrameSource {
       if (got >= 0) return true;
       if (got == AVERROR_EOF) return false;
       if (got != AVERROR(EAGAIN)) {  // the decoder has thrown a packet away
+        ++pictures_;
         complain("cannot be decoded");
         continue;
       }
@@ -92,7 +129,9 @@ class Video final : public FrameSource {
   bool feed() {
     for (;;) {
       av_packet_unref(packet_.get());
+      const Errors errors;
       const int read = ended_ ? AVERROR_EOF : av_read_frame(file_, packet_.get());
+      if (read >= 0 && errors.any()) say_of_file(errors.last());
       if (read < 0) {
         if (ended_) return false;
         ended_ = true;
@@ -105,13 +144,44 @@ class Video final : public FrameSource {
             std::max(ends_at_, static_cast<double>(packet_->pts + packet_->duration) * av_q2d(stream_->time_base));
       if (recorded_) remember_stamp();
       if (codec_->codec_id == AV_CODEC_ID_MJPEG && is_damaged_jpeg()) {
-        ++pictures_;  // those behind it keep their numbers
+        ++pictures_;
         complain("is damaged");
         continue;
       }
-      if (avcodec_send_packet(codec_.get(), packet_.get()) >= 0) return true;
+      if (send()) return true;
+      ++pictures_;  // those behind it keep their numbers
       complain("cannot be decoded");
     }
+  }
+
+  /// The packet into the decoder, which works on it at once; false: it cannot.
+  bool send() {
+    const std::int64_t number = packets_++;
+    if ((packet_->flags & AV_PKT_FLAG_KEY) != 0) {
+      whole_from_ = damaged_ ? std::optional(packet_->pts) : std::nullopt;
+      damaged_ = false;
+    }
+    codec_->reordered_opaque = number;
+    const Errors errors;
+    const bool sent = avcodec_send_packet(codec_.get(), packet_.get()) >= 0;
+    // How whole a JPEG is has been judged, and a recorded film has its checksums.
+    const bool judged = recorded_ || codec_->codec_id == AV_CODEC_ID_MJPEG;
+    const bool damaged = (errors.any() && !judged) || !sent || (packet_->flags & AV_PKT_FLAG_CORRUPT) != 0;
+    const bool leading = whole_from_ && packet_->pts != AV_NOPTS_VALUE && packet_->pts < *whole_from_;
+    if (damaged)
+      doubts_[number] = "is damaged";
+    else if (!recorded_ && (damaged_ || leading))
+      doubts_[number] = "builds on a damaged one";
+    if (damaged) damaged_ = true;
+    return sent;
+  }
+
+  /// FFmpeg goes on where it finds the next frame.
+  void say_of_file(const std::string& what) {
+    if (skipped_.size() >= most_complaints) return;
+    skipped_.push_back(fmt::format("{}: the file is damaged before frame {}, and frames may be missing there ({})",
+                                   path_, whole_ + left_out_.load(std::memory_order_relaxed), what));
+    fault_.clear();
   }
 
   /// Copies that broke off and disks that were full end a film early; FFmpeg takes that for its end.
@@ -126,6 +196,7 @@ class Video final : public FrameSource {
       length = std::max(length, static_cast<double>(stream_->nb_frames) * av_q2d(stream_->time_base));
     const double rounding = rate_ > 0.0 ? 2.0 / rate_ : 0.1;  // headers and last frames are not that exact [s]
     if (ends_at_ < 0.0 || length < ends_at_ + rounding) return;
+    fault_.clear();
     skipped_.push_back(
         fmt::format("{}: all behind {:.2f} s is missing: its header states {:.2f} s", path_, ends_at_, length));
   }
@@ -144,10 +215,30 @@ class Video final : public FrameSource {
       stamps_[packet_->pts] = *stamp;
   }
 
-  /// Null, or what is wrong with the picture.
-  const char* convert(Frame& frame) {
+  /// What is known of the picture's packet; a decoder may hold some back, and gives them in another order.
+  std::string doubt() {
+    const std::int64_t number = picture_->reordered_opaque;
+    const auto known = doubts_.extract(number);
+    doubts_.erase(doubts_.begin(), doubts_.lower_bound(number - most_held_back));  // that no picture came from
+    if ((picture_->flags & AV_FRAME_FLAG_CORRUPT) == 0 && picture_->decode_error_flags == 0)
+      return known ? known.mapped() : std::string();
+    if (!recorded_ && !damaged_ && !known) {
+      damaged_ = true;
+      for (std::int64_t later = number + 1; later < packets_; ++later) doubts_[later] = "builds on a damaged one";
+    }
+    return "is damaged";
+  }
+
+  /// Empty, or what is wrong with the picture.
+  std::string convert(Frame& frame) {
     const std::int64_t number = pictures_++;
-    if ((picture_->flags & AV_FRAME_FLAG_CORRUPT) != 0 || picture_->decode_error_flags != 0) return "is damaged";
+    if (std::string damage = doubt(); !damage.empty()) return damage;
+    if (width_ == 0) {
+      width_ = picture_->width;
+      height_ = picture_->height;
+    }
+    if (picture_->width != width_ || picture_->height != height_)
+      return fmt::format("is {}x{} px, and the film {}x{}", picture_->width, picture_->height, width_, height_);
     if (!to_grey(*picture_, scaler_, frame)) return "is of a pixel format that cannot be converted";
     if (recorded_) {
       const auto stamp = stamps_.extract(picture_->pts);
@@ -162,7 +253,7 @@ class Video final : public FrameSource {
       frame.captured_at = time_in_film();
     }
     frame.source = std::to_string(frame.index);
-    return nullptr;
+    return {};
   }
 
   /// Some containers carry no stamps: then the frames are evenly spaced.
@@ -176,12 +267,20 @@ class Video final : public FrameSource {
     return last_time_;
   }
 
-  void complain(const char* what) {
-    ++damaged_;
+  /// One line for frames side by side with the same fault.
+  void complain(const std::string& what) {
+    const std::int64_t frame = whole_ + left_out_.fetch_add(1, std::memory_order_relaxed);
+    if (more_ == 0 && what == fault_ && frame == faulty_to_ + 1) {
+      faulty_to_ = frame;
+      skipped_.back() = fmt::format("{}: frames {} to {}: each {}", path_, faulty_from_, frame, what);
+      return;
+    }
+    fault_ = what;
+    faulty_from_ = faulty_to_ = frame;
     if (skipped_.size() < most_complaints)
-      skipped_.push_back(fmt::format("{}: frame {} {}", path_, whole_ + damaged_ - 1, what));
+      skipped_.push_back(fmt::format("{}: frame {} {}", path_, frame, what));
     else
-      skipped_.back() = fmt::format("{}: {} more", path_, damaged_ - static_cast<std::int64_t>(most_complaints) + 1);
+      skipped_.back() = fmt::format("{}: {} more", path_, more_ = std::max<std::int64_t>(2, more_ + 1));
   }
 
   std::string path_;
@@ -203,22 +302,29 @@ class Video final : public FrameSource {
   std::map<std::int64_t, Stamp> stamps_;  // of a recorded film's packets that are being decoded, by their times
   std::int64_t pictures_ = 0;             // that the decoder gave
   std::int64_t whole_ = 0;                // that were handed on
-  std::int64_t damaged_ = 0;              // that were not
+  std::atomic<std::int64_t> left_out_ = 0;
+  int width_ = 0;  // of the first picture
+  int height_ = 0;
+  std::int64_t packets_ = 0;                      // that the decoder was given
+  bool damaged_ = false;                          // since the newest picture that builds on no other
+  std::optional<std::int64_t> whole_from_;        // the time of that one, where there was damage before it
+  std::map<std::int64_t, const char*> doubts_;    // what is wrong with pictures that are still to come, by packet
+  std::string fault_;                             // of the frame that was left out last
+  std::int64_t faulty_from_ = 0, faulty_to_ = 0;  // frames with that fault
+  std::int64_t more_ = 0;                         // faults that are only counted
   std::vector<std::string> skipped_;
 };
 
 }  // namespace
 
 std::unique_ptr<FrameSource> open_video(const std::string& path, std::string& error) {
-  av_log_set_level(AV_LOG_QUIET);  // the caller reports what matters
   if (std::error_code code; !std::filesystem::is_regular_file(path, code)) {
     error = fmt::format("{}: no such file", path);
     return nullptr;
   }
   auto video = std::make_unique<Video>(path);
-  if (video->open()) return video;
-  error = fmt::format("{}: not a readable video", path);
-  return nullptr;
+  error = video->open();
+  return error.empty() ? std::move(video) : nullptr;
 }
 
 }  // namespace skein::vision::media

@@ -229,6 +229,68 @@ TEST(Recorder, DamagedFramesAreSkippedAndReported) {
   EXPECT_EQ((*film)->skipped()[0].find(path + ": frame "), 0U) << (*film)->skipped()[0];
 }
 
+/// A film as another program would write it: without the capture times and checksums of a recorded one.
+std::string foreign_film(const std::string& path, FilmCoding coding, const std::vector<Frame>& frames) {
+  {
+    auto recorder = Recorder::open(path, {}, coding);
+    EXPECT_TRUE(recorder) << recorder.error();
+    for (const Frame& frame : frames) (*recorder)->add(frame);
+  }
+  std::string bytes = test::read_file(path);
+  const std::string note = "SKEIN_FILM";
+  bytes.replace(bytes.find(note), note.size(), "OTHER_FILM");
+  test::write_file(path, bytes);
+  return bytes;
+}
+
+/// What is handed on of a film is what it would be without its damage. Returns the number of frames that are not.
+std::size_t expect_only_whole_frames(const std::string& path, const std::string& bytes) {
+  const auto read_all = [&](std::vector<std::string>& said) {
+    auto film = open_source("video:" + path);
+    EXPECT_TRUE(film) << film.error();
+    EXPECT_FALSE((*film)->recorded());
+    std::vector<Frame> all;
+    for (Frame frame; (*film)->read(frame).value();) all.push_back(frame);
+    said.assign((*film)->skipped().begin(), (*film)->skipped().end());
+    return std::pair{all, (*film)->status().damaged};
+  };
+  std::vector<std::string> said;
+  const auto [whole, none] = read_all(said);
+  EXPECT_EQ(said, std::vector<std::string>()) << "the control";
+  EXPECT_EQ(none, 0);
+  test::write_file(path, bytes);
+  const auto [left, damaged] = read_all(said);
+  EXPECT_EQ(damaged, static_cast<std::int64_t>(whole.size() - left.size()));
+  EXPECT_FALSE(said.empty());
+  for (const Frame& frame : left)
+    EXPECT_EQ(frame.grey, whole[static_cast<std::size_t>(frame.index)].grey) << frame.index;
+  return whole.size() - left.size();
+}
+
+TEST(Recorder, ADamagedFrameOfAForeignFilmIsLeftOut) {
+  test::Folder folder;
+  detail::Random random(17);
+  std::vector<Frame> frames;
+  for (std::int64_t i = 0; i < 10; ++i) frames.push_back(noisy_frame(160, 120, i, random));
+  std::string bytes = foreign_film(folder.file("film.mkv"), FilmCoding::lossless, frames);
+  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 0x10);
+  EXPECT_EQ(expect_only_whole_frames(folder.file("film.mkv"), bytes), 1U);
+}
+
+/// FFmpeg shows them, made of what was before the damage.
+TEST(Recorder, FramesThatBuildOnADamagedOneAreLeftOut) {
+  test::Folder folder;
+  detail::Random random(18);
+  std::vector<Frame> frames;
+  for (std::int64_t i = 0; i < 60; ++i) frames.push_back(noisy_frame(160, 120, i, random));
+  std::string bytes = foreign_film(folder.file("film.mkv"), FilmCoding::small, frames);
+  const std::size_t at = bytes.size() / 2;
+  for (std::size_t k = at; k < at + 40; ++k) bytes[k] = static_cast<char>(bytes[k] ^ 0x5a);
+  const std::size_t left_out = expect_only_whole_frames(folder.file("film.mkv"), bytes);
+  EXPECT_GT(left_out, 1U);
+  EXPECT_LE(left_out, 25U) << "up to the next picture that builds on no other";
+}
+
 TEST(Recorder, ASlowDiskCostsFramesAndTheyAreCounted) {
   Bench bench;
   bench.held = true;

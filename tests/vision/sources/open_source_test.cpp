@@ -22,6 +22,11 @@ TEST(OpenSource, NamesWhatIsMissingOrUnfit) {
   test::Folder folder;
   test::write_file(folder.file("text.mp4"), "no film");
   test::write_file(folder.file("notes.txt"), "no picture");
+  // An MP4 whose end was not written: its kind, and pictures of which nothing is known.
+  test::write_file(folder.file("cut.mp4"), std::string("\0\0\0\x18"
+                                                       "ftypisom\0\0\2\0isomiso2\0\0\x40\0mdat",
+                                                       32) +
+                                               std::string(4000, 'x'));
   const struct {
     std::string source;
     std::string message;
@@ -30,7 +35,13 @@ TEST(OpenSource, NamesWhatIsMissingOrUnfit) {
       {"images:" + folder.path(), folder.path() + ": no picture (png, jpg, pgm, ppm, bmp, tif) in this folder"},
       {"video:/nowhere.mp4", "/nowhere.mp4: no such file"},
       {"video:" + folder.path(), folder.path() + ": no such file"},
-      {"video:" + folder.file("text.mp4"), folder.file("text.mp4") + ": not a readable video"},
+      {"video:" + folder.file("text.mp4"),
+       folder.file("text.mp4") + ": not a readable video: Invalid data found when processing input"},
+      {"video:" + folder.file("cut.mp4"),
+       folder.file("cut.mp4") +
+           ": not a readable video: its table of frames (moov), which is written last, is missing: the recording or "
+           "its "
+           "copy broke off. Copy it again; a program that repairs MP4 files needs a whole film of the same camera"},
       {"v4l2:/dev/no_such_camera", "/dev/no_such_camera: cannot be opened (No such file or directory)"},
       {"v4l2:/dev/null", "/dev/null: is not a V4L2 camera"},
   };

@@ -210,6 +210,29 @@ TEST(Mjpeg, ADamagedFrameOfAFilmIsLeftOutAndSaid) {
   EXPECT_TRUE((*source)->skipped()[0].ends_with("is damaged")) << (*source)->skipped()[0];
 }
 
+TEST(Mjpeg, FramesOfAnotherSizeThanTheFilmAreLeftOutAndSaid) {
+  test::Folder folder;
+  const std::string path = folder.file("film.mjpeg");
+  Bytes film;
+  for (int k = 0; k < 6; ++k) {
+    const Bytes bytes =
+        encode(k == 3 || k == 4 ? test::uniform_frame(64, 48, 90) : test::uniform_frame(128, 96, 90), false);
+    film.insert(film.end(), bytes.begin(), bytes.end());
+  }
+  std::ofstream(path, std::ios::binary)
+      .write(reinterpret_cast<const char*>(film.data()), static_cast<std::streamsize>(film.size()));
+  const auto source = open_source("video:" + path);
+  ASSERT_TRUE(source) << source.error();
+  std::vector<std::int64_t> frames;
+  for (Frame frame; (*source)->read(frame).value();) {
+    frames.push_back(frame.index);
+    EXPECT_EQ(frame.width, 128);
+  }
+  EXPECT_EQ(frames, (std::vector<std::int64_t>{0, 1, 2, 5}));
+  ASSERT_EQ((*source)->skipped().size(), 1U);
+  EXPECT_EQ((*source)->skipped()[0], path + ": frames 3 to 4: each is 64x48 px, and the film 128x96");
+}
+
 std::string number(std::uint32_t value, int bytes = 4) {
   std::string text;
   for (int k = 0; k < bytes; ++k) text += static_cast<char>(value >> (8 * k));
