@@ -14,6 +14,7 @@
 #include "app/calibration/calibration_file.h"
 #include "app/calibration/floor_marks_file.h"
 #include "app/cli/same_file.h"
+#include "app/experiment/text_file.h"
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
 #include "app/run/output.h"
@@ -337,18 +338,22 @@ int print_tags(const TagsRequest& request) {
     pages = vision::tag_sheet({ids, 1e-3 * request.size_mm, request.paper, request.copies});
   }
   if (!pages) return fail_with(pages.error(), wrong_input);
+  const auto files = vision::sheet_files(*pages, request.out);
+  if (!files) return fail_with(files.error(), wrong_input);
   std::error_code ignored;
-  for (const std::string& file : vision::sheet_files(pages->size(), request.out))
-    if (const auto there = std::filesystem::status(file, ignored); std::filesystem::exists(there)) {
+  for (const vision::SheetFile& file : *files)
+    if (const auto there = std::filesystem::status(file.name, ignored); std::filesystem::exists(there)) {
       if (!std::filesystem::is_regular_file(there))
-        return fail_with(fmt::format("{}: is a folder, a device or a FIFO, allowed: the name of a file", file),
+        return fail_with(fmt::format("{}: is a folder, a device or a FIFO, allowed: the name of a file", file.name),
                          wrong_input);
       if (!request.force)
-        return fail_with(fmt::format("{}: already exists, allowed: another name, or --force", file), wrong_input);
+        return fail_with(fmt::format("{}: already exists, allowed: another name, or --force", file.name), wrong_input);
     }
-  const auto written = vision::write_sheet(*pages, request.out);
-  if (!written) return fail_with(written.error(), wrong_input);
-  for (const std::string& file : *written) fmt::print("{}\n", shown(file));
+  for (const vision::SheetFile& file : *files) {
+    if (const auto written = write_file(file.name, file.contents); !written)
+      return fail_with(written.error(), wrong_input);
+    fmt::print("{}\n", shown(file.name));
+  }
   return done;
 }
 

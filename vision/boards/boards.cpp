@@ -232,7 +232,7 @@ std::vector<bool> marker(int bits, int id) {
 }  // namespace skein::vision
 
 extern "C" __attribute__((visibility("default")))
-const skein::vision::Boards skein_boards_5 = {.detect = skein::vision::detect,
+const skein::vision::Boards skein_boards_6 = {.detect = skein::vision::detect,
                                               .detect_aruco = skein::vision::detect_aruco,
                                               .find = skein::vision::find,
                                               .calibrate = skein::vision::calibrate,

@@ -4,10 +4,7 @@
 #include <cairo-pdf.h>
 #include <cairo-svg.h>
 
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
 #include <memory>
 
 namespace skein::vision {
@@ -61,25 +58,17 @@ std::string problem_of(cairo_status_t status) {
 
 }  // namespace
 
-std::string draw_sheet(const std::vector<Page>& pages, bool pdf, const std::string& path) {
+std::string draw_sheet(const std::vector<Page>& pages, bool pdf, std::string& file) {
   if (pages.empty()) return "there is nothing on it";
   const double width = pages[0].width * points_per_mm;
   const double height = pages[0].height * points_per_mm;
-  // Through a file of our own: cairo's says nothing of what a full disk did not take at the end.
-  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "wbe"), std::fclose);
-  if (!file) return std::strerror(errno);
-  struct Output {
-    std::FILE* file;
-    int error = 0;  // errno of the first write that failed: cairo does not keep it
-  } output{file.get()};
+  file.clear();
   const cairo_write_func_t write = [](void* to, const unsigned char* bytes, unsigned size) {
-    Output& there = *static_cast<Output*>(to);
-    if (std::fwrite(bytes, 1, size, there.file) == size) return CAIRO_STATUS_SUCCESS;
-    if (there.error == 0) there.error = errno;
-    return CAIRO_STATUS_WRITE_ERROR;
+    static_cast<std::string*>(to)->append(reinterpret_cast<const char*>(bytes), size);
+    return CAIRO_STATUS_SUCCESS;
   };
-  const Surface surface(pdf ? cairo_pdf_surface_create_for_stream(write, &output, width, height)
-                            : cairo_svg_surface_create_for_stream(write, &output, width, height));
+  const Surface surface(pdf ? cairo_pdf_surface_create_for_stream(write, &file, width, height)
+                            : cairo_svg_surface_create_for_stream(write, &file, width, height));
   if (!pdf) cairo_svg_surface_set_document_unit(surface.get(), CAIRO_SVG_UNIT_PT);
   {
     const Context context(cairo_create(surface.get()));
@@ -91,13 +80,9 @@ std::string draw_sheet(const std::vector<Page>& pages, bool pdf, const std::stri
       cairo_restore(context.get());
       cairo_show_page(context.get());
     }
-    if (const auto status = cairo_status(context.get()); status != CAIRO_STATUS_SUCCESS && output.error == 0)
-      return problem_of(status);
+    if (const auto status = cairo_status(context.get()); status != CAIRO_STATUS_SUCCESS) return problem_of(status);
   }
   cairo_surface_finish(surface.get());
-  if (std::fflush(file.get()) != 0 && output.error == 0) output.error = errno;
-  if (std::fclose(file.release()) != 0 && output.error == 0) output.error = errno;
-  if (output.error != 0) return std::strerror(output.error);
   return problem_of(cairo_surface_status(surface.get()));
 }
 

@@ -44,11 +44,11 @@ struct Boards {
   /// The cells of a marker with its border, (bits + 2) squared, row by row; true: ink.
   std::vector<bool> (*marker)(int bits, int id);
 
-  std::string (*draw)(const std::vector<Page>& pages, bool pdf, const std::string& path);
+  std::string (*draw)(const std::vector<Page>& pages, bool pdf, std::string& file);
   std::string (*rasterise)(const Page& page, double px_per_mm, Frame& frame);
 };
 
 /// Carries a number for the same reason as media_symbol.
-inline constexpr const char* boards_symbol = "skein_boards_5";
+inline constexpr const char* boards_symbol = "skein_boards_6";
 
 }  // namespace skein::vision

@@ -161,41 +161,23 @@ tl::expected<std::vector<Page>, std::string> board_sheet(const Board& board, con
   return std::vector<Page>{page};
 }
 
-std::vector<std::string> sheet_files(std::size_t pages, const std::string& path) {
-  const std::filesystem::path file(path);
-  std::vector<std::string> names{path};
-  for (std::size_t i = 1; i < pages && file.extension() != ".pdf"; ++i) {
-    std::filesystem::path name = file;
-    name.replace_filename(fmt::format("{}-{}.svg", file.stem().string(), i + 1));
-    names.push_back(name.string());
-  }
-  return names;
-}
-
-tl::expected<std::vector<std::string>, std::string> write_sheet(const std::vector<Page>& pages,
-                                                                const std::string& path) {
-  const std::filesystem::path file(path);
-  const bool pdf = file.extension() == ".pdf";
-  if (!pdf && file.extension() != ".svg")
+tl::expected<std::vector<SheetFile>, std::string> sheet_files(const std::vector<Page>& pages, const std::string& path) {
+  const std::filesystem::path first(path);
+  const bool pdf = first.extension() == ".pdf";
+  if (!pdf && first.extension() != ".svg")
     return tl::unexpected(fmt::format("{}: allowed: a name that ends in .pdf or .svg", path));
   const auto module = boards();
   if (!module) return tl::unexpected(module.error());
-  const std::vector<std::string> names = sheet_files(pages.size(), path);
-  for (std::size_t i = 0; i < names.size(); ++i) {
+  std::vector<SheetFile> files(pdf ? 1 : pages.size());
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    std::filesystem::path name = first;
+    if (i > 0) name.replace_filename(fmt::format("{}-{}.svg", first.stem().string(), i + 1));
+    files[i].name = name.string();
     const std::vector<Page> here = pdf ? pages : std::vector<Page>{pages[i]};
-    // An older sheet stays until this one is complete.
-    const std::string draft = names[i] + ".new";
-    std::error_code error;
-    std::string problem = (*module)->draw(here, pdf, draft);
-    if (problem.empty()) {
-      std::filesystem::rename(draft, names[i], error);
-      if (error) problem = error.message();
-    }
-    if (problem.empty()) continue;
-    std::filesystem::remove(draft, error);
-    return tl::unexpected(fmt::format("{}: cannot be written: {}", names[i], problem));
+    if (const std::string problem = (*module)->draw(here, pdf, files[i].contents); !problem.empty())
+      return tl::unexpected(fmt::format("{}: cannot be drawn: {}", files[i].name, problem));
   }
-  return names;
+  return files;
 }
 
 tl::expected<void, std::string> rasterise(const Page& page, double px_per_mm, Frame& frame) {

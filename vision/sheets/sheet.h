@@ -28,13 +28,14 @@ tl::expected<std::vector<Page>, std::string> tag_sheet(const TagSheetOptions& op
 /// A calibration board in the middle of one page.
 tl::expected<std::vector<Page>, std::string> board_sheet(const Board& board, const std::string& paper);
 
-/// The names of the files to which this many pages are written.
-std::vector<std::string> sheet_files(std::size_t pages, const std::string& path);
+struct SheetFile {
+  std::string name{};
+  std::string contents{};
+};
 
-/// Writes pages as PDF, or as SVG (one page; further ones go to NAME-2.svg, ...), by the ending of the name; lengths
-/// are exact. Returns the files that were written.
-tl::expected<std::vector<std::string>, std::string> write_sheet(const std::vector<Page>& pages,
-                                                                const std::string& path);
+/// Pages as a PDF, or as SVGs (one page each; further ones are NAME-2.svg, ...), by the ending of the name; lengths are
+/// exact. Writes nothing.
+tl::expected<std::vector<SheetFile>, std::string> sheet_files(const std::vector<Page>& pages, const std::string& path);
 
 /// A page as an image, as seen by a camera directly above it.
 tl::expected<void, std::string> rasterise(const Page& page, double px_per_mm, Frame& frame);

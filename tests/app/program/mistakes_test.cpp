@@ -461,6 +461,19 @@ TEST_F(Mistakes, SheetsAreNotOverwritten) {
   EXPECT_NE(read("t.svg"), "mine\n");
 }
 
+TEST_F(Mistakes, ASheetThatAnotherProgramWritesIsWaitedFor) {
+  EXPECT_EQ(shell("exec 9> t.svg.new; flock 9; draft=$(stat -c :%i t.svg.new)\n"
+                  "$skein tags 1-4 --out t.svg 9>&- & \n"
+                  "until [ -e t.svg ] || grep -q -e \"->.*$draft \" /proc/locks; do :; done\n"
+                  "echo theirs >&9; mv t.svg.new t.svg && cp t.svg first.svg; exec 9>&-; wait $!"),
+            0)
+      << said;
+  EXPECT_EQ(read("first.svg"), "theirs\n");
+  EXPECT_THAT(read("t.svg"), AllOf(HasSubstr("<svg"), HasSubstr("</svg>"), Not(HasSubstr("theirs"))));
+  EXPECT_EQ(shell("$skein tags 1-4 --out /no/such/folder/tags.pdf"), 2);
+  EXPECT_THAT(said, HasSubstr("/no/such/folder/tags.pdf: cannot be written"));
+}
+
 TEST_F(Mistakes, WithoutAHomeTheUserDatabaseSaysWhere) {
   EXPECT_EQ(shell("unset XDG_DATA_HOME SKEIN_RUNS HOME; $skein runs show no-such-run"), 2);
   EXPECT_THAT(said, AnyOf(HasSubstr("/.local/share/skein/runs"), HasSubstr("SKEIN_RUNS")));
