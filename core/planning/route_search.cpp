@@ -10,6 +10,7 @@ namespace {
 
 constexpr double attach = 1.7;     // start and goal are joined with vertices within so many cells
 constexpr double weight = 1.05;    // of what is left, against what was driven: fewer nodes, at most 5 % longer ways
+constexpr double haste = 3.0;      // the same, where the nodes do not suffice: some way rather than none
 constexpr double wait_step = 0.2;  // [s]
 constexpr int most_waits = 60;
 constexpr double departure_step = 1.0;     // of a robot that is shut in at its start [s]
@@ -49,9 +50,6 @@ Lattice::Place RouteSearch::place(std::size_t vertex) const noexcept {
 void RouteSearch::begin(const Query& query, const Traffic& traffic) noexcept {
   query_ = query;
   traffic_ = &traffic;
-  ++search_;
-  nodes_.clear();
-  open_.clear();
   leg_count_ = 0;
   searching_ = true;
   found_ = false;
@@ -80,22 +78,35 @@ void RouteSearch::begin(const Query& query, const Traffic& traffic) noexcept {
   }
   stamp();
   estimate();
-  // The start, if the robot may stand there now.
-  const auto now = intervals(start());
-  for (std::size_t k = 0; k < now.size(); ++k)
-    if (now[k].begin <= query_.begins + Traffic::step && query_.begins <= now[k].end) {
-      if (!query_.away_from.empty() && may_end(start(), k)) {
-        searching_ = false;
-        found_ = true;
-        arrival_ = query_.begins;
-        return;
-      }
-      nodes_.push_back({static_cast<float>(query_.begins), 0.0f, static_cast<float>(query_.begins),
-                        static_cast<std::uint32_t>(state_of(start(), headings - 1, k)), nobody});
-      open_.emplace_back(0.0f, 0u);
-      return;
-    }
-  searching_ = false;
+  const std::size_t now = interval_at_start();
+  if (now < intervals_each && !query_.away_from.empty() && may_end(start(), now)) {
+    searching_ = false;
+    found_ = true;
+    arrival_ = query_.begins;
+    return;
+  }
+  set_out(now, weight);
+}
+
+/// The start's interval in which the search begins; intervals_each: the robot may not stand there then.
+std::size_t RouteSearch::interval_at_start() noexcept {
+  const auto all = intervals(start());
+  for (std::size_t k = 0; k < all.size(); ++k)
+    if (all[k].begin <= query_.begins + Traffic::step && query_.begins <= all[k].end) return k;
+  return intervals_each;
+}
+
+/// Forgets all nodes, and searches from the start.
+void RouteSearch::set_out(std::size_t interval, double of_what_is_left) noexcept {
+  ++search_;
+  nodes_.clear();
+  open_.clear();
+  weight_ = of_what_is_left;
+  searching_ = interval < intervals_each;
+  if (!searching_) return;
+  nodes_.push_back({static_cast<float>(query_.begins), 0.0f, static_cast<float>(query_.begins),
+                    static_cast<std::uint32_t>(state_of(start(), headings - 1, interval)), nobody});
+  open_.emplace_back(0.0f, 0u);
 }
 
 /// Straight there at once.
@@ -288,9 +299,16 @@ std::size_t RouteSearch::advance(std::size_t budget) noexcept {
   std::size_t spent = 0;
   const auto later = [](const auto& a, const auto& b) { return a > b; };
   while (searching_ && spent < budget) {
-    if (open_.empty() || nodes_.size() + 64 > nodes_.capacity() || open_.size() + 64 > open_.capacity()) {
+    if (open_.empty()) {
       searching_ = false;
       break;
+    }
+    if (nodes_.size() + 64 > nodes_.capacity()) {
+      // A long way round something has many turns, which the estimate of what is left does not know: nearly all that
+      // lies before them seems to be sooner. Where every place will do, nothing is left anywhere.
+      searching_ = weight_ < haste && query_.away_from.empty();
+      if (!searching_) break;
+      set_out(interval_at_start(), haste);
     }
     const auto [f, node] = open_.front();
     std::pop_heap(open_.begin(), open_.end(), later);
@@ -330,7 +348,7 @@ void RouteSearch::reach(std::uint32_t parent, std::size_t vertex, std::size_t he
     if (best_of_[state] == search_ && best_[state] <= g) continue;
     best_of_[state] = search_;
     best_[state] = static_cast<float>(g);
-    const double left = weight * left_[vertex] / query_.pace.v;
+    const double left = weight_ * left_[vertex] / query_.pace.v;
     nodes_.push_back({static_cast<float>(g), static_cast<float>(g + left), static_cast<float>(leaves),
                       static_cast<std::uint32_t>(state), parent});
     open_.emplace_back(static_cast<float>(g + left), static_cast<std::uint32_t>(nodes_.size() - 1));

@@ -427,6 +427,25 @@ TEST(RouteSearch, SaysWhereThereIsNoWay) {
   EXPECT_FALSE(search.found());
 }
 
+/// A long wall to go round: so much of what lies before it seems to be sooner that the nodes of a search do not
+/// suffice.
+TEST(Planner, FindsSomeWayWhereTheNodesDoNotSufficeForTheSoonest) {
+  Scene scene;
+  for (const auto& [x, y] : {std::pair{0.6690584306615976, -0.4824098228503279},
+                             {0.5715957648503907, -0.38312637256863447},
+                             {0.4741330990391838, -0.2838429222869411},
+                             {0.4254017661335804, -0.2342011971460944},
+                             {0.23047643451116664, -0.03563429658270752}})
+    scene.obstacles.push_back({x, y, 0.025});
+  const Pose from{0.8914011534293713, -0.4620691491848447, -0.12620959278759647};
+  const Pose to{-0.2729931015003748, -0.16020361647222886, 2.888};
+  scene.starts.push_back(from);
+  scene.lines.add(from, to);
+  const Outcome o = run(scene);
+  EXPECT_GT(o.arrived, 0.0);
+  EXPECT_FALSE(o.no_way);
+}
+
 /// The shield lets two robots that are too near each other only part. A route that comes nearer to the other, be it by
 /// less than a millimetre, would stop there for good.
 TEST(RouteSearch, LeavesARobotThatIsTooNearByParting) {
