@@ -50,6 +50,9 @@ Lattice::Place RouteSearch::place(std::size_t vertex) const noexcept {
 void RouteSearch::begin(const Query& query, const Traffic& traffic) noexcept {
   query_ = query;
   traffic_ = &traffic;
+  ++search_;
+  nodes_.clear();
+  open_.clear();
   leg_count_ = 0;
   searching_ = true;
   found_ = false;
@@ -78,35 +81,23 @@ void RouteSearch::begin(const Query& query, const Traffic& traffic) noexcept {
   }
   stamp();
   estimate();
-  const std::size_t now = interval_at_start();
-  if (now < intervals_each && !query_.away_from.empty() && may_end(start(), now)) {
-    searching_ = false;
-    found_ = true;
-    arrival_ = query_.begins;
-    return;
-  }
-  set_out(now, weight);
-}
-
-/// The start's interval in which the search begins; intervals_each: the robot may not stand there then.
-std::size_t RouteSearch::interval_at_start() noexcept {
-  const auto all = intervals(start());
-  for (std::size_t k = 0; k < all.size(); ++k)
-    if (all[k].begin <= query_.begins + Traffic::step && query_.begins <= all[k].end) return k;
-  return intervals_each;
-}
-
-/// Forgets all nodes, and searches from the start.
-void RouteSearch::set_out(std::size_t interval, double of_what_is_left) noexcept {
-  ++search_;
-  nodes_.clear();
-  open_.clear();
-  weight_ = of_what_is_left;
-  searching_ = interval < intervals_each;
-  if (!searching_) return;
-  nodes_.push_back({static_cast<float>(query_.begins), 0.0f, static_cast<float>(query_.begins),
-                    static_cast<std::uint32_t>(state_of(start(), headings - 1, interval)), nobody});
-  open_.emplace_back(0.0f, 0u);
+  weight_ = weight;
+  // The start, if the robot may stand there now.
+  const auto now = intervals(start());
+  for (std::size_t k = 0; k < now.size(); ++k)
+    if (now[k].begin <= query_.begins + Traffic::step && query_.begins <= now[k].end) {
+      if (!query_.away_from.empty() && may_end(start(), k)) {
+        searching_ = false;
+        found_ = true;
+        arrival_ = query_.begins;
+        return;
+      }
+      nodes_.push_back({static_cast<float>(query_.begins), 0.0f, static_cast<float>(query_.begins),
+                        static_cast<std::uint32_t>(state_of(start(), headings - 1, k)), nobody});
+      open_.emplace_back(0.0f, 0u);
+      return;
+    }
+  searching_ = false;
 }
 
 /// Straight there at once.
@@ -308,7 +299,10 @@ std::size_t RouteSearch::advance(std::size_t budget) noexcept {
       // lies before them seems to be sooner. Where every place will do, nothing is left anywhere.
       searching_ = weight_ < haste && query_.away_from.empty();
       if (!searching_) break;
-      set_out(interval_at_start(), haste);
+      weight_ = haste;
+      ++search_;  // no state is reached
+      nodes_.erase(nodes_.begin() + 1, nodes_.end());
+      open_.assign(1, {0.0f, 0u});  // the start
     }
     const auto [f, node] = open_.front();
     std::pop_heap(open_.begin(), open_.end(), later);

@@ -64,8 +64,6 @@ class RouteSearch {
   static constexpr std::size_t headings = Lattice::directions + 1;  // the last: straight from the start
   static constexpr std::uint32_t nobody = 0xffffffff;
 
-  std::size_t interval_at_start() noexcept;
-  void set_out(std::size_t interval, double of_what_is_left) noexcept;
   bool may_end(std::size_t vertex, std::size_t interval) noexcept;
   bool lets_pass(const Lattice::Place& at) noexcept;
   void stamp() noexcept;
