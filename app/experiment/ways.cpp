@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <queue>
+#include <set>
 
 #include "app/run/number_text.h"
 #include "core/planning/route_search.h"
@@ -89,10 +90,26 @@ void pull_taut(const core::Lattice& lattice, std::vector<Place>& path) {
     }
 }
 
+std::set<std::size_t> parts_near(core::Lattice& lattice, const Place& place) {
+  std::set<std::size_t> near;
+  lattice.near(place.x, place.y, 2.0 * lattice.cell(), [&](std::size_t v) {
+    if (lattice.free(place, lattice.place(v))) near.insert(lattice.part(v));
+  });
+  return near;
+}
+
 }  // namespace
 
+core::Lattice& Lattices::keeping(double distance) {
+  if (const auto found = lattices_.find(distance); found != lattices_.end()) return found->second;
+  const core::HalfSize arena{0.5 * experiment_.arena_width, 0.5 * experiment_.arena_height};
+  core::Lattice& made = lattices_.try_emplace(distance, arena, distance, experiment_.obstacles.size()).first->second;
+  made.build(experiment_.obstacles);
+  return made;
+}
+
 std::optional<double> ShortestPaths::length(std::size_t robot, const core::Pose& from, const core::Pose& to) {
-  const core::Lattice& lattice = this->lattice(experiment_.robots[robot].radius);
+  const core::Lattice& lattice = lattices_.keeping(experiment_.robots[robot].radius);
   std::vector<Place> path = any_angle_path(lattice, {from.x, from.y}, {to.x, to.y});
   if (path.empty()) return {};
   pull_taut(lattice, path);
@@ -109,63 +126,14 @@ std::optional<double> ShortestPaths::length(std::size_t robot, const core::Pose&
   return length_of(path);
 }
 
-const core::Lattice& ShortestPaths::lattice(double radius) {
-  const auto found = lattices_.find(radius);
-  if (found != lattices_.end()) return found->second;
-  core::Lattice& made =
-      lattices_
-          .try_emplace(radius, core::HalfSize{0.5 * experiment_.arena_width, 0.5 * experiment_.arena_height}, radius,
-                       experiment_.obstacles.size())
-          .first->second;
-  made.build(experiment_.obstacles);
-  return made;
-}
-
 bool Ways::lead(std::size_t robot, const Place& from, const Place& to) {
   if (experiment_.obstacles.empty()) return true;
-  const Parts& of = parts(experiment_.robots[robot].radius);
-  if (of.lattice.free(from, to)) return true;
-  const std::set<std::size_t> here = parts_near(of, from), there = parts_near(of, to);
+  core::Lattice& lattice = lattices_.keeping(experiment_.shield.distance + experiment_.robots[robot].radius -
+                                             2.0 * core::standard_radius + rounding);
+  if (lattice.free(from, to)) return true;
+  const std::set<std::size_t> here = parts_near(lattice, from), there = parts_near(lattice, to);
   if (here.empty() || there.empty()) return true;
   return std::any_of(here.begin(), here.end(), [&](std::size_t part) { return there.count(part) > 0; });
-}
-
-const Ways::Parts& Ways::parts(double radius) {
-  if (const auto found = parts_.find(radius); found != parts_.end()) return found->second;
-  const double keep = experiment_.shield.distance + radius - 2.0 * core::standard_radius + rounding;
-  Parts& made = parts_
-                    .try_emplace(radius, Parts{{{0.5 * experiment_.arena_width, 0.5 * experiment_.arena_height},
-                                                keep,
-                                                experiment_.obstacles.size()},
-                                               {}})
-                    .first->second;
-  core::Lattice& lattice = made.lattice;
-  lattice.build(experiment_.obstacles);
-  made.part.assign(lattice.size(), lattice.size());
-  std::vector<std::size_t> open;
-  for (std::size_t first = 0; first < lattice.size(); ++first) {
-    if (!lattice.free(first) || made.part[first] != lattice.size()) continue;
-    made.part[first] = first;
-    open.push_back(first);
-    while (!open.empty()) {
-      const std::size_t here = open.back();
-      open.pop_back();
-      for (std::size_t d = 0; d < core::Lattice::directions; ++d)
-        if (const std::size_t v = lattice.neighbour(here, d); v != lattice.size() && made.part[v] == lattice.size()) {
-          made.part[v] = first;
-          open.push_back(v);
-        }
-    }
-  }
-  return made;
-}
-
-std::set<std::size_t> Ways::parts_near(const Parts& parts, const Place& place) const {
-  std::set<std::size_t> near;
-  parts.lattice.near(place.x, place.y, 2.0 * parts.lattice.cell(), [&](std::size_t v) {
-    if (parts.lattice.free(place, parts.lattice.place(v))) near.insert(parts.part[v]);
-  });
-  return near;
 }
 
 std::vector<std::string> missing_ways(const Experiment& experiment) {

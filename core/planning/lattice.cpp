@@ -176,7 +176,6 @@ void Lattice::move(std::size_t vertex, const Place& to) noexcept {
   places_[vertex] = to;
 }
 
-/// Vertices from which a robot gets to one another have the same part: a vertex that stands for them.
 std::size_t Lattice::part(std::size_t vertex) noexcept {
   while (part_[vertex] != vertex) vertex = part_[vertex] = part_[part_[vertex]];
   return vertex;

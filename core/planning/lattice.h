@@ -53,6 +53,8 @@ class Lattice {
   bool free(double x, double y) const noexcept { return room(x, y) >= 0.0; }
   bool free(const Place& from, const Place& to) const noexcept;
   bool has_obstacles() const noexcept { return !obstacles_.empty(); }
+  /// Vertices from which a robot gets to one another have the same part: a vertex that stands for them.
+  std::size_t part(std::size_t vertex) noexcept;
   /// The nearest point that keeps its distance from the arena's edges.
   Place inside(double x, double y) const noexcept;
 
@@ -82,7 +84,6 @@ class Lattice {
   void know_close(const Place& place, double reach) noexcept;
   template <typename F>
   double climb(std::size_t vertex, Place& best, double good, F&& goodness) const noexcept;
-  std::size_t part(std::size_t vertex) noexcept;
   bool join(std::size_t vertex, std::size_t d) noexcept;
   void move(std::size_t vertex, const Place& to) noexcept;
   void measure_edges() noexcept;
