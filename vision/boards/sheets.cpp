@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <memory>
+#include <new>
 
 namespace skein::vision {
 namespace {
@@ -64,8 +65,12 @@ std::string draw_sheet(const std::vector<Page>& pages, bool pdf, std::string& fi
   const double height = pages[0].height * points_per_mm;
   file.clear();
   const cairo_write_func_t write = [](void* to, const unsigned char* bytes, unsigned size) {
-    static_cast<std::string*>(to)->append(reinterpret_cast<const char*>(bytes), size);
-    return CAIRO_STATUS_SUCCESS;
+    try {
+      static_cast<std::string*>(to)->append(reinterpret_cast<const char*>(bytes), size);
+      return CAIRO_STATUS_SUCCESS;
+    } catch (const std::bad_alloc&) {  // cairo is C
+      return CAIRO_STATUS_NO_MEMORY;
+    }
   };
   const Surface surface(pdf ? cairo_pdf_surface_create_for_stream(write, &file, width, height)
                             : cairo_svg_surface_create_for_stream(write, &file, width, height));

@@ -229,6 +229,13 @@ TEST(Recorder, DamagedFramesAreSkippedAndReported) {
   EXPECT_EQ((*film)->skipped()[0].find(path + ": frame "), 0U) << (*film)->skipped()[0];
 }
 
+std::vector<Frame> noisy_frames(std::int64_t count, std::uint64_t seed) {
+  detail::Random random(seed);
+  std::vector<Frame> frames;
+  for (std::int64_t i = 0; i < count; ++i) frames.push_back(noisy_frame(160, 120, i, random));
+  return frames;
+}
+
 /// A film as another program would write it: without the capture times and checksums of a recorded one.
 std::string foreign_film(const std::string& path, FilmCoding coding, const std::vector<Frame>& frames) {
   {
@@ -269,10 +276,7 @@ std::size_t expect_only_whole_frames(const std::string& path, const std::string&
 
 TEST(Recorder, ADamagedFrameOfAForeignFilmIsLeftOut) {
   test::Folder folder;
-  detail::Random random(17);
-  std::vector<Frame> frames;
-  for (std::int64_t i = 0; i < 10; ++i) frames.push_back(noisy_frame(160, 120, i, random));
-  std::string bytes = foreign_film(folder.file("film.mkv"), FilmCoding::lossless, frames);
+  std::string bytes = foreign_film(folder.file("film.mkv"), FilmCoding::lossless, noisy_frames(10, 17));
   bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 0x10);
   EXPECT_EQ(expect_only_whole_frames(folder.file("film.mkv"), bytes), 1U);
 }
@@ -280,10 +284,7 @@ TEST(Recorder, ADamagedFrameOfAForeignFilmIsLeftOut) {
 /// FFmpeg shows them, made of what was before the damage.
 TEST(Recorder, FramesThatBuildOnADamagedOneAreLeftOut) {
   test::Folder folder;
-  detail::Random random(18);
-  std::vector<Frame> frames;
-  for (std::int64_t i = 0; i < 60; ++i) frames.push_back(noisy_frame(160, 120, i, random));
-  std::string bytes = foreign_film(folder.file("film.mkv"), FilmCoding::small, frames);
+  std::string bytes = foreign_film(folder.file("film.mkv"), FilmCoding::small, noisy_frames(60, 18));
   const std::size_t at = bytes.size() / 2;
   for (std::size_t k = at; k < at + 40; ++k) bytes[k] = static_cast<char>(bytes[k] ^ 0x5a);
   const std::size_t left_out = expect_only_whole_frames(folder.file("film.mkv"), bytes);

@@ -40,8 +40,7 @@ TEST(OpenSource, NamesWhatIsMissingOrUnfit) {
       {"video:" + folder.file("cut.mp4"),
        folder.file("cut.mp4") +
            ": not a readable video: its table of frames (moov), which is written last, is missing: the recording or "
-           "its "
-           "copy broke off. Copy it again; a program that repairs MP4 files needs a whole film of the same camera"},
+           "its copy broke off. Copy it again; a program that repairs MP4 files needs a whole film of the same camera"},
       {"v4l2:/dev/no_such_camera", "/dev/no_such_camera: cannot be opened (No such file or directory)"},
       {"v4l2:/dev/null", "/dev/null: is not a V4L2 camera"},
   };
