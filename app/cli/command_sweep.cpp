@@ -180,7 +180,8 @@ int sweep(const SweepRequest& request) {
   if (request.only && !request.quiet && !request.json)
     fmt::print("command: {}\n", shown(run_command(*study, *request.only)));
   if (!request.quiet)
-    fmt::print("{}", request.json ? as_json(summary, compared) + "\n" : shown_lines(as_lines(summary)));
+    fmt::print("{}", request.json ? as_json(summary, compared) + "\n"
+                                  : shown_lines(as_lines(summary) + as_table_by_robots(summary)));
   if (!compared.empty() && !request.quiet && !request.json) {
     compared.emplace(compared.begin(), summary.name, summary);
     fmt::print("{}", shown_lines(as_table(compared)));

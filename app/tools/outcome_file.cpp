@@ -121,6 +121,7 @@ void for_columns(Outcome& o, Use&& use) {
   use("absent", o.absent);
   use("places_taken", o.places_taken);
   use("failure", o.failure);
+  use("robots", o.robots);
 }
 
 std::vector<std::string_view> cells_of(std::string_view line) {

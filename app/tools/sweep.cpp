@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -296,6 +297,7 @@ RunOutcome run_one(const Study& study, std::uint64_t seed, bool control) {
   const Statistics::Summary summary = statistics.summary();
   RunOutcome outcome;
   outcome.seed = seed;
+  outcome.robots = static_cast<std::int64_t>(experiment->robots.size());
   outcome.perturbation = distance.perturbation();
   outcome.collisions = summary.collisions;
   outcome.run_into = summary.run_into.value_or(0);
@@ -456,6 +458,11 @@ SweepSummary summarise(const Study& study, const std::vector<RunOutcome>& outcom
   s.final_error_p99 = quantile(errors, 0.99);
   s.final_error_max = quantile(errors, 1.0);
   if (!control.empty()) s.control.push_back(summarise(study, control));
+  std::map<std::int64_t, std::vector<RunOutcome>> by_robots;
+  for (const RunOutcome& o : outcomes)
+    if (o.failure.empty()) by_robots[o.robots].push_back(o);
+  if (by_robots.size() > 1)
+    for (const auto& [robots, runs] : by_robots) s.by_robots.emplace_back(robots, summarise(study, runs));
   return s;
 }
 
@@ -488,8 +495,21 @@ std::string as_table(const std::vector<std::pair<std::string, SweepSummary>>& ro
   return text;
 }
 
+std::string as_table_by_robots(const SweepSummary& summary) {
+  if (summary.by_robots.empty()) return {};
+  std::string text =
+      fmt::format("{:>6} {:>6} {:>10} {:>7} {:>9} {:>6} {:>6} {:>6} {:>13} {:>12}\n", "robots", "runs", "collisions",
+                  "outside", "recovered", "p50", "p99", "max", "over_straight", "min_distance");
+  for (const auto& [robots, s] : summary.by_robots)
+    text += fmt::format("{:>6} {:>6} {:>10} {:>7} {:>9} {:>6.1f} {:>6.1f} {:>6.1f} {:>13.2f} {:>12.4f}\n", robots,
+                        s.runs, s.collisions, s.runs_outside, s.recovered, s.recovery_p50, s.recovery_p99,
+                        s.recovery_max, s.over_straight_max, s.min_distance);
+  return text;
+}
+
 std::string as_json(const SweepSummary& summary, const std::vector<std::pair<std::string, SweepSummary>>& compared) {
   Json all = json(summary);
+  for (const auto& [robots, runs] : summary.by_robots) all["by_robots"][std::to_string(robots)] = json(runs);
   for (const auto& [name, other] : compared) all["compare"][name] = json(other);
   return all.dump(2, ' ', false, Json::error_handler_t::replace);
 }

@@ -14,6 +14,7 @@ namespace skein::app {
 /// One run of a study.
 struct RunOutcome {
   std::uint64_t seed = 0;
+  std::int64_t robots = 0;
   double perturbation = 0.0;  ///< the largest distance by which a perturbation moved a robot [m]
   std::int64_t collisions = 0;
   std::int64_t run_into = 0;       ///< by robots that ignore commands, while standing or driving away
@@ -105,6 +106,8 @@ struct SweepSummary {
   double formation_first_share() const noexcept;
   double relative_first_share() const noexcept;
   std::vector<SweepSummary> control;  ///< of the same seeds, where the study has one
+  /// Of the runs with each number of robots, in their order; empty where all runs have the same.
+  std::vector<std::pair<std::int64_t, SweepSummary>> by_robots;
 };
 SweepSummary summarise(const Study& study, const std::vector<RunOutcome>& outcomes,
                        const std::vector<RunOutcome>& control = {});
@@ -114,6 +117,9 @@ std::string as_json(const SweepSummary& summary,
 
 /// The same runs under several conditions beside one another, as a table: a name and a summary a row.
 std::string as_table(const std::vector<std::pair<std::string, SweepSummary>>& rows);
+
+/// The runs with each number of robots (`by_robots`), as a table; empty where there are none.
+std::string as_table_by_robots(const SweepSummary& summary);
 
 /// Which of the study's [expect] failed, each as a sentence.
 std::vector<std::string> failed_expectations(const Study::Expect& expect, const SweepSummary& summary);

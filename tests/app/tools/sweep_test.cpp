@@ -384,6 +384,32 @@ TEST(Sweep, SumsUp) {
   EXPECT_THAT(as_json(s), HasSubstr("\"bad_seeds\": ["));
 }
 
+TEST(Summary, ListsTheRunsWithEachNumberOfRobots) {
+  RunOutcome four, five, failed;
+  four.robots = 4, four.recovery = 3.0, four.straight = 2.0;
+  five.robots = 5, five.recovery = 8.0, five.straight = 5.0, five.collisions = 1;
+  failed.failure = "the disk is full";
+  const Study study = shipped("crowds.toml");
+  const SweepSummary s = summarise(study, {five, four, failed, five});
+  ASSERT_EQ(s.by_robots.size(), 2u);
+  EXPECT_EQ(s.by_robots[0].first, 4);
+  EXPECT_EQ(s.by_robots[0].second.runs, 1);
+  EXPECT_EQ(s.by_robots[0].second.over_straight_max, 1.5);
+  EXPECT_EQ(s.by_robots[1].first, 5);
+  EXPECT_EQ(s.by_robots[1].second.collisions, 2);
+  EXPECT_EQ(s.by_robots[1].second.recovery_max, 8.0);
+  EXPECT_THAT(as_table_by_robots(s), HasSubstr("\n     5      2          2"));
+  EXPECT_THAT(as_json(s), HasSubstr("\"by_robots\": {"));
+  EXPECT_EQ(as_table_by_robots(summarise(study, {five, five})), "") << "all runs have the same number";
+}
+
+TEST(Study, CountsTheRobotsOfEachRun) {
+  Study study = shipped("crowds.toml");
+  study.runs = 6;
+  for (const RunOutcome& outcome : sweep(study, 2, [](std::size_t) { return true; }))
+    EXPECT_EQ(outcome.robots, static_cast<std::int64_t>(experiment_of(study, outcome.seed)->robots.size()));
+}
+
 TEST(Laws, AreComparedOnTheSameKicks) {
   Study study = shipped("laws.toml");
   ASSERT_EQ(study.compare.size(), 3u);
