@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/aruco.hpp>
-#include <opencv2/aruco/charuco.hpp>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "vision/boards/markers.h"
 #include "vision/boards/sheets.h"
 
 namespace skein::vision {
@@ -17,17 +16,17 @@ cv::Mat as_mat(const Frame& frame) {
   return {frame.height, frame.width, CV_8UC1, const_cast<std::uint8_t*>(frame.grey.data())};
 }
 
-cv::Ptr<cv::aruco::Dictionary> dictionary_of(int bits) {
+int dictionary_of(int bits) {
   constexpr int per_size = cv::aruco::DICT_5X5_1000 - cv::aruco::DICT_4X4_1000;
-  return cv::aruco::getPredefinedDictionary(cv::aruco::DICT_4X4_1000 + per_size * (bits - 4));
+  return cv::aruco::DICT_4X4_1000 + per_size * (bits - 4);
 }
 
-void detect_markers(const Frame& frame, const cv::Ptr<cv::aruco::Dictionary>& dictionary,
-                    const cv::Ptr<cv::aruco::DetectorParameters>& parameters, std::vector<Detection>& found) {
+void detect_markers(const Frame& frame, int dictionary, const cv::aruco::DetectorParameters& parameters,
+                    std::vector<Detection>& found) {
   cv::setNumThreads(1);
   std::vector<std::vector<cv::Point2f>> corners;
   std::vector<int> ids;
-  cv::aruco::detectMarkers(as_mat(frame), dictionary, corners, ids, parameters);
+  find_markers(as_mat(frame), dictionary, parameters, corners, ids);
   found.clear();
   for (std::size_t i = 0; i < ids.size(); ++i) {
     Detection& detection = found.emplace_back();
@@ -41,21 +40,20 @@ void detect_markers(const Frame& frame, const cv::Ptr<cv::aruco::Dictionary>& di
 }
 
 void detect(const Frame& frame, std::vector<Detection>& found) {
-  static const auto dictionary = cv::aruco::getPredefinedDictionary(cv::aruco::DICT_APRILTAG_36h11);
   static const auto parameters = [] {
-    auto p = cv::aruco::DetectorParameters::create();
-    p->cornerRefinementMethod = cv::aruco::CORNER_REFINE_SUBPIX;
-    p->cornerRefinementWinSize = 3;
+    cv::aruco::DetectorParameters p;
+    p.cornerRefinementMethod = cv::aruco::CORNER_REFINE_SUBPIX;
+    p.cornerRefinementWinSize = 3;
     return p;
   }();
-  detect_markers(frame, dictionary, parameters, found);
+  detect_markers(frame, cv::aruco::DICT_APRILTAG_36h11, parameters, found);
 }
 
 void detect_aruco(const Frame& frame, int bits, std::vector<Detection>& found) {
-  const auto parameters = cv::aruco::DetectorParameters::create();
-  parameters->errorCorrectionRate = 0.0;
-  parameters->maxErroneousBitsInBorderRate = 0.0;
-  parameters->minMarkerDistanceRate = 0.01;  // else the edge of narrow paper is taken in place of the marker's
+  cv::aruco::DetectorParameters parameters;
+  parameters.errorCorrectionRate = 0.0;
+  parameters.maxErroneousBitsInBorderRate = 0.0;
+  parameters.minMarkerDistanceRate = 0.01;  // else the edge of narrow paper is taken in place of the marker's
   try {
     detect_markers(frame, dictionary_of(bits), parameters, found);
   } catch (const cv::Exception&) {
@@ -96,20 +94,12 @@ void find_chessboard(const cv::Mat& picture, const Board& board, std::vector<Boa
 }
 
 void find_charuco(const cv::Mat& picture, const Board& board, std::vector<BoardCorner>& corners) {
-  const auto dictionary = dictionary_of(board.bits);
-  const auto drawn = cv::aruco::CharucoBoard::create(board.columns, board.rows, static_cast<float>(board.square),
-                                                     static_cast<float>(board.marker), dictionary);
-  std::vector<std::vector<cv::Point2f>> markers;
-  std::vector<int> ids;
-  cv::aruco::detectMarkers(picture, dictionary, markers, ids);
-  if (ids.empty()) return;
-  std::vector<cv::Point2f> points;
-  std::vector<int> numbers;
-  cv::aruco::interpolateCornersCharuco(markers, ids, picture, drawn, points, numbers);
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    const cv::Point3f& on_board = drawn->chessboardCorners[static_cast<std::size_t>(numbers[i])];
-    corners.push_back({numbers[i], static_cast<double>(on_board.x), static_cast<double>(on_board.y),
-                       static_cast<double>(points[i].x), static_cast<double>(points[i].y)});
+  const CharucoCorners found = find_charuco_corners(picture, dictionary_of(board.bits), board.columns, board.rows,
+                                                    static_cast<float>(board.square), static_cast<float>(board.marker));
+  for (std::size_t i = 0; i < found.numbers.size(); ++i) {
+    const cv::Point3f& on_board = found.on_board[static_cast<std::size_t>(found.numbers[i])];
+    corners.push_back({found.numbers[i], static_cast<double>(on_board.x), static_cast<double>(on_board.y),
+                       static_cast<double>(found.points[i].x), static_cast<double>(found.points[i].y)});
   }
 }
 
@@ -220,8 +210,7 @@ std::string locate(const std::vector<Landmark>& landmarks, Calibration& calibrat
 
 std::vector<bool> marker(int bits, int id) {
   const int cells = bits + 2;
-  cv::Mat picture;
-  dictionary_of(bits)->drawMarker(id, cells, picture, 1);
+  const cv::Mat picture = marker_picture(dictionary_of(bits), id, cells);
   std::vector<bool> ink;
   for (int v = 0; v < cells; ++v)
     for (int u = 0; u < cells; ++u) ink.push_back(picture.at<std::uint8_t>(v, u) == 0);

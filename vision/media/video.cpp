@@ -53,6 +53,9 @@ class Video final : public FrameSource {
     codec_->thread_count = 1;  // the same answer every time, and errors are told on this thread
     codec_->max_pixels = most_pixels;
     codec_->err_recognition = AV_EF_CRCCHECK | AV_EF_BITSTREAM | AV_EF_BUFFER;
+#ifdef AV_CODEC_FLAG_COPY_OPAQUE
+    codec_->flags |= AV_CODEC_FLAG_COPY_OPAQUE;
+#endif
     if (result >= 0) result = avcodec_open2(codec_.get(), coder, nullptr);
     if (result < 0) return not_readable(errors, result);
     if (codec_->width <= 0 || codec_->height <= 0)
@@ -154,6 +157,18 @@ class Video final : public FrameSource {
     }
   }
 
+  // The decoder hands a packet's number on to its picture: as `opaque` since FFmpeg 6, and only as `reordered_opaque`
+  // before.
+#ifdef AV_CODEC_FLAG_COPY_OPAQUE
+  void give_number(std::int64_t number) {
+    packet_->opaque = reinterpret_cast<void*>(static_cast<std::intptr_t>(number));
+  }
+  std::int64_t number_of_picture() const { return reinterpret_cast<std::intptr_t>(picture_->opaque); }
+#else
+  void give_number(std::int64_t number) { codec_->reordered_opaque = number; }
+  std::int64_t number_of_picture() const { return picture_->reordered_opaque; }
+#endif
+
   /// The packet into the decoder, which works on it at once; false: it cannot.
   bool send() {
     const std::int64_t number = packets_++;
@@ -161,7 +176,7 @@ class Video final : public FrameSource {
       whole_from_ = damaged_ ? std::optional(packet_->pts) : std::nullopt;
       damaged_ = false;
     }
-    codec_->reordered_opaque = number;
+    give_number(number);
     const Errors errors;
     const bool sent = avcodec_send_packet(codec_.get(), packet_.get()) >= 0;
     // How whole a JPEG is has been judged, and a recorded film has its checksums.
@@ -217,7 +232,7 @@ class Video final : public FrameSource {
 
   /// What is known of the picture's packet; a decoder may hold some back, and gives them in another order.
   std::string doubt() {
-    const std::int64_t number = picture_->reordered_opaque;
+    const std::int64_t number = number_of_picture();
     const auto known = doubts_.extract(number);
     doubts_.erase(doubts_.begin(), doubts_.lower_bound(number - most_held_back));  // that no picture came from
     if ((picture_->flags & AV_FRAME_FLAG_CORRUPT) == 0 && picture_->decode_error_flags == 0)

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <vector>
+
+// OpenCV's ArUco markers and ChArUco boards. Their interface, and the module that they are in, changed with OpenCV 4.7.
+#if CV_VERSION_MAJOR > 4 || CV_VERSION_MINOR >= 7
+#include <opencv2/objdetect/aruco_detector.hpp>
+#include <opencv2/objdetect/charuco_detector.hpp>
+#define SKEIN_OPENCV_MARKERS_IN_OBJDETECT 1
+#else
+#include <opencv2/aruco.hpp>
+#include <opencv2/aruco/charuco.hpp>
+#define SKEIN_OPENCV_MARKERS_IN_OBJDETECT 0
+#endif
+
+namespace skein::vision {
+
+// `dictionary`: one of OpenCV's, such as cv::aruco::DICT_4X4_50.
+
+/// The markers in a picture: their corners [px], clockwise, and their numbers.
+inline void find_markers(const cv::Mat& picture, int dictionary, const cv::aruco::DetectorParameters& parameters,
+                         std::vector<std::vector<cv::Point2f>>& corners, std::vector<int>& ids) {
+#if SKEIN_OPENCV_MARKERS_IN_OBJDETECT
+  cv::aruco::ArucoDetector(cv::aruco::getPredefinedDictionary(dictionary), parameters)
+      .detectMarkers(picture, corners, ids);
+#else
+  cv::aruco::detectMarkers(picture, cv::aruco::getPredefinedDictionary(dictionary), corners, ids,
+                           cv::makePtr<cv::aruco::DetectorParameters>(parameters));
+#endif
+}
+
+/// A marker's picture, a pixel for each of its cells, with one cell of border.
+inline cv::Mat marker_picture(int dictionary, int id, int cells) {
+  cv::Mat picture;
+#if SKEIN_OPENCV_MARKERS_IN_OBJDETECT
+  cv::aruco::getPredefinedDictionary(dictionary).generateImageMarker(id, cells, picture, 1);
+#else
+  cv::aruco::getPredefinedDictionary(dictionary)->drawMarker(id, cells, picture, 1);
+#endif
+  return picture;
+}
+
+/// The inner corners of a ChArUco board that a picture shows [px], their numbers, and where all of them are on the
+/// board, in the unit of `square`.
+struct CharucoCorners {
+  std::vector<cv::Point2f> points;
+  std::vector<int> numbers;
+  std::vector<cv::Point3f> on_board;
+};
+
+inline CharucoCorners find_charuco_corners(const cv::Mat& picture, int dictionary, int columns, int rows, float square,
+                                           float marker) {
+  CharucoCorners found;
+  std::vector<std::vector<cv::Point2f>> markers;
+  std::vector<int> ids;
+#if SKEIN_OPENCV_MARKERS_IN_OBJDETECT
+  const cv::aruco::CharucoBoard board({columns, rows}, square, marker, cv::aruco::getPredefinedDictionary(dictionary));
+  found.on_board = board.getChessboardCorners();
+  cv::aruco::CharucoDetector(board).detectBoard(picture, found.points, found.numbers, markers, ids);
+#else
+  const auto board =
+      cv::aruco::CharucoBoard::create(columns, rows, square, marker, cv::aruco::getPredefinedDictionary(dictionary));
+  found.on_board = board->chessboardCorners;
+  find_markers(picture, dictionary, cv::aruco::DetectorParameters(), markers, ids);
+  if (!ids.empty()) cv::aruco::interpolateCornersCharuco(markers, ids, picture, board, found.points, found.numbers);
+#endif
+  return found;
+}
+
+}  // namespace skein::vision
