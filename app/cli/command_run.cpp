@@ -102,6 +102,7 @@ int run(const RunRequest& request) {
   options.sinks = {&statistics, &progress};
   options.video = request.video;
   options.guard = true;
+  options.keep_on = [] { return !interrupted(); };
   TagCrops crops;
   options.crops = &crops;
   std::vector<std::unique_ptr<CsvFile>> files;

@@ -42,7 +42,8 @@ tl::expected<std::unique_ptr<Session>, std::string> Session::open(const Experime
   i.demand = make_reference(experiment)->demand(experiment.controller.k_y);
 
   if (experiment.controller.law.own()) {
-    auto controller = OwnController::start(i.experiment, !i.clock.wall(), {.program = i.options.program});
+    auto controller = OwnController::start(i.experiment, !i.clock.wall(),
+                                           {.program = i.options.program, .keep_on = i.options.keep_on});
     if (!controller) return tl::unexpected(controller.error());
     i.controller = std::move(*controller);
   }

@@ -39,14 +39,16 @@ tl::expected<std::unique_ptr<DrivenPlant>, std::string> DrivenPlant::open(Experi
   if (!addresses->empty()) net = SafetyNet::spread({driven->experiment_.name, *addresses});
   if (!net) driven->warn_(unguarded_sentence(net.error()));
   if (!addresses->empty()) driven->awake_.emplace(driven->experiment_.name).hold(true);
-  auto plant = Plant::open(driven->experiment_, driven->clock_, options);
+  DrivenPlant& self = *driven;
+  SessionOptions with = options;
+  if (!with.keep_on) with.keep_on = [&self] { return self.keep_on(); };
+  auto plant = Plant::open(driven->experiment_, driven->clock_, with);
   if (!plant) {
     if (net) net->done(std::vector<StopResult>{});  // those that were reached have been stopped
     driven->closed_ = true;
     return tl::unexpected(plant.error());
   }
   driven->plant_ = std::move(*plant);
-  DrivenPlant& self = *driven;
   if (net)
     net->on_stop([&self] { self.stop(); }, [&self] { return stop_results(self.experiment_, self.plant_->robots()); });
   return driven;

@@ -1,11 +1,14 @@
 // The program as a user's script sees it: exit statuses, what goes to stdout and stderr, files that appear, signals.
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <poll.h>
+#include <pty.h>
 #include <signal.h>
 #include <spawn.h>
 #include <sys/ioctl.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
+#include <termios.h>
 #include <unistd.h>
 
 #include <cctype>
@@ -649,6 +652,33 @@ TEST_P(Signal, StopsEveryRobotAndSaysSo) {
   EXPECT_TRUE(has(program.out(), "not_stopped: none")) << program.out();
   EXPECT_TRUE(has(program.err(), "stopped at")) << program.err();
   EXPECT_TRUE(has(read_file(folder / "run.csv"), "stop")) << "the log of the run has it";
+}
+
+/// A robot that never answers would be waited for for 15 s.
+TEST_P(Signal, EndsAProgramThatIsStillReachingItsRobots) {
+  Folder folder;
+  int robot = -1, line = -1;
+  termios raw{};
+  ::cfmakeraw(&raw);
+  ASSERT_EQ(::openpty(&robot, &line, nullptr, &raw, nullptr), 0);
+  const std::string link = std::string("serial:") + ::ttyname(line);
+  std::ofstream(folder / "robots.toml") << "[[robot]]\nname = \"anna\"\nmodel = \"epuck2\"\nlink = \"" << link
+                                        << "\"\n";
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"run", experiments + "platoon.toml", "--set", "robot.4.link=" + link, "--set",
+                                 "robot.4.model=epuck2", "--set", "camera.source=images:/nowhere", "--set",
+                                 "camera.calibration=../cameras/overhead.toml"},
+        {"robots", "test", "anna", "--file", folder / "robots.toml"}}) {
+    ::tcflush(robot, TCIOFLUSH);
+    Program program(words);
+    pollfd asked{robot, POLLIN, 0};
+    ASSERT_EQ(::poll(&asked, 1, 60'000), 1) << program.err();
+    program.send(GetParam());
+    EXPECT_EQ(program.wait(), 3) << program.err();
+    EXPECT_TRUE(has(program.err(), "skein: stopped")) << program.err();
+  }
+  ::close(line);
+  ::close(robot);
 }
 
 INSTANTIATE_TEST_SUITE_P(CommandLine, Signal, testing::Values(SIGINT, SIGTERM));
