@@ -75,7 +75,7 @@ void AsercomSession::read_lines(double now) {
         if (is_greeting(reply->text))
           restarted();
         else if (reply->text.starts_with("v,"))
-          counters_.version = reply->text.substr(2);
+          read_version(reply->text.substr(2));
         break;
       case Reply::Kind::wheels:  // no binary request is sent before the stop is answered
         break;

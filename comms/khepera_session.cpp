@@ -113,7 +113,7 @@ void KheperaSession::line(std::string_view text, double now) {
 
 void KheperaSession::stop_answered(std::string_view text, double now) {
   if (stop_acknowledged_ && text.starts_with("b,")) {
-    counters_.version = "Khepera IV " + std::string(text.substr(2));
+    read_version("Khepera IV " + std::string(text.substr(2)));
     return come_up(now);
   }
   if (stops_wanted_ == 0) return;  // the answer to a repetition

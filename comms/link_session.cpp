@@ -160,6 +160,12 @@ void LinkSession::read_battery(const Battery& battery, double now) {
   battery_at_ = now;
 }
 
+void LinkSession::read_version(std::string text) {
+  std::erase_if(text, [](char c) { return c < ' ' || c > '~'; });
+  text.resize(std::min(text.size(), longest_version));
+  counters_.version = std::move(text);
+}
+
 // --- Requests and answers -------------------------------------------------------------------------------------------
 
 void LinkSession::next(double now) {

@@ -113,6 +113,8 @@ class LinkSession {
   void read_counters(Encoders encoders, double since, double now);
   void read_battery(int raw, double now);
   void read_battery(const Battery& battery, double now);
+  /// Of what the robot says, what can be printed in a line that files and tables have room for.
+  void read_version(std::string text);
   /// The question is answered. `taken`: the speeds reported by the robot; a difference leads to the stop.
   void answered(std::optional<WheelCommand> taken, double now);
   void stands(double now);        ///< the newest stop is acknowledged

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -39,6 +40,9 @@ constexpr std::string_view word(LinkState state) noexcept {
   }
   return {};
 }
+
+/// Of a firmware's version.
+inline constexpr std::size_t longest_version = 100;
 
 /// When the newest command sent passed each of its stages, CLOCK_MONOTONIC; 0: none yet. [s]
 struct CommandTimes {

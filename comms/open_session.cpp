@@ -160,9 +160,7 @@ void OpenSession::hear(std::span<const std::uint8_t> bytes, double now) {
     if (frame->version != version) {
       other_version_ = frame->version;
     } else if (frame->kind == 'h' && frame->payload.size() >= 6) {
-      std::string name(frame->payload.begin() + 6, frame->payload.end());
-      std::erase_if(name, [](char c) { return c < ' ' || c > '~'; });
-      counters_.version = name + ", open protocol";
+      read_version(std::string(frame->payload.begin() + 6, frame->payload.end()) + ", open protocol");
     } else if (const auto said = open_status(*frame)) {
       heard(*frame, *said, now);
     }

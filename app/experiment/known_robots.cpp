@@ -9,9 +9,11 @@
 
 #include "app/experiment/experiment_robots.h"
 #include "app/experiment/text_file.h"
+#include "app/experiment/toml_places.h"
 #include "app/experiment/toml_table.h"
 #include "app/run/home.h"
 #include "comms/link_address.h"
+#include "comms/link_status.h"
 
 namespace skein::app {
 namespace {
@@ -31,7 +33,7 @@ KnownRobot read_known(TomlTable& t, Problems& problems) {
   }
   KnownRobot robot{finished(keys, problems), {}};
   if (const auto link = comms::parse_link_address(robot.spec.address)) robot.spec.address = comms::to_text(*link);
-  t.line("version", robot.version, 100);
+  t.line("version", robot.version, comms::longest_version);
   t.finish();
   return robot;
 }
@@ -160,7 +162,7 @@ std::string as_toml(const KnownRobot& robot) {
   if (!spec.adapter.empty()) text += fmt::format("adapter = \"{}\"\n", spec.adapter);
   if (spec.tag >= 0) text += fmt::format("tag = {}\n", spec.tag);
   text += fmt::format("model = \"{}\"\n", spec.type->name);
-  if (!robot.version.empty()) text += fmt::format("version = \"{}\"\n", robot.version);
+  if (!robot.version.empty()) text += fmt::format("version = {}\n", toml_string(robot.version));
   return text;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/experiment/toml_places.h"
 #include "app/session/wheel_check.h"
 
 namespace skein::app {
@@ -246,7 +247,7 @@ std::vector<std::pair<std::string, std::string>> values_to_keep(const RobotTestR
   std::vector<std::pair<std::string, std::string>> values;
   const auto keep = [&](const char* key, std::string value) { values.emplace_back(key, std::move(value)); };
   if (result.tag >= 0) keep("tag", std::to_string(result.tag));
-  if (!result.status.version.empty()) keep("version", fmt::format("\"{}\"", result.status.version));
+  if (!result.status.version.empty()) keep("version", toml_string(result.status.version));
   if (result.wheel_diameter) keep("wheel_diameter", fmt::format("{:.5f}", *result.wheel_diameter));
   if (result.watchdog) keep("watchdog", fmt::format("{:.2f}", *result.watchdog));
   if (result.track) keep("track", fmt::format("{:.5f}", *result.track));

@@ -151,6 +151,22 @@ TEST(LinkSession, OverASlowRadioARobotIsAskedForItsVersionToo) {
   EXPECT_LE(deaf.now, since + LinkOptions{}.reply_timeout + LinkOptions{}.stop_repeat + 1e-6);
 }
 
+TEST(LinkSession, AVersionIsALineThatCanBePrinted) {
+  const auto version = [](const std::string& said) {
+    Lab lab({.ask_version = true});
+    lab.session.opened(lab.now);
+    lab.take();
+    lab.session.received(bytes("s\r\n"), lab.now);
+    lab.take();
+    lab.session.received(bytes("v," + said + "\r\ns\r\n"), lab.now);
+    EXPECT_TRUE(lab.session.up());
+    return lab.session.status(lab.now).version;
+  };
+  EXPECT_EQ(version("Version \"2\""), "Version \"2\"");
+  EXPECT_EQ(version("Ver\x1b[31m\a\xff\xfesion"), "Ver[31msion");
+  EXPECT_EQ(version(std::string(3000, 'V')), std::string(longest_version, 'V'));
+}
+
 TEST(LinkSession, ALateAnswerToAnOldStopIsNoAnswerToANewOne) {
   Lab lab({.command_silence = 0.0});
   lab.session.opened(lab.now);

@@ -130,6 +130,7 @@ TEST_F(KnownRobots, NewOnesAreAddedBehindAndOldOnesStay) {
   carl.spec.name = "e-puck2_04711";
   carl.spec.address = "rfcomm:30:AE:A4:AA:BB:CC/2";
   carl.spec.tag = -1;
+  carl.version = "Version \"2\" \\";
   become(carl.spec, *core::find_robot_type("epuck2"));
   const Added added = with_robots(robots_text, *known, {anna, carl});
   EXPECT_EQ(added.robots, 1u);
@@ -141,6 +142,7 @@ TEST_F(KnownRobots, NewOnesAreAddedBehindAndOldOnesStay) {
   ASSERT_EQ(again->size(), 3u);
   EXPECT_EQ(again->at(2).spec.address, carl.spec.address);
   EXPECT_EQ(again->at(2).spec.tag, -1);
+  EXPECT_EQ(again->at(2).version, carl.version);
   EXPECT_FALSE(save("/proc/nowhere/robots.toml", added.text));
 }
 
