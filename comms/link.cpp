@@ -24,8 +24,7 @@ WheelCommand Link::clamped(int left, int right) const noexcept {
 pollfd Link::wanted() const noexcept {
   if (!transport_) return {.fd = -1, .events = 0, .revents = 0};  // poll() passes over negative descriptors
   const bool to_write = transport_->connecting() || (!session_->output().empty() && hushed_until_ == -never);
-  return {
-      .fd = transport_->descriptor(), .events = static_cast<short>(to_write ? POLLIN | POLLOUT : POLLIN), .revents = 0};
+  return transport_->wanted(to_write);
 }
 
 double Link::deadline() const noexcept {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <poll.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -35,7 +37,8 @@ class Transport {
   Transport& operator=(Transport&& other) noexcept;
   ~Transport();
 
-  int descriptor() const noexcept { return descriptor_; }
+  /// What poll() must wait for: input, and also room for output if there is something `to_write`.
+  pollfd wanted(bool to_write) const noexcept;
   bool connecting() const noexcept { return connecting_; }
   tl::expected<void, TransportError> finish_connecting();
 
@@ -50,11 +53,13 @@ class Transport {
  private:
   Transport(int descriptor, bool connecting, LinkAddress address);
   void connected() noexcept;
+  bool nothing_came() const noexcept;
   static tl::expected<Transport, TransportError> open_serial(const LinkAddress& address);
   static tl::expected<Transport, TransportError> open_rfcomm(const LinkAddress& address);
   static tl::expected<Transport, TransportError> open_ip(const LinkAddress& address);
 
   int descriptor_ = -1;
+  int input_ = -1;  // of a terminal: an epoll that is told of its input; -1: none
   bool connecting_ = false;
   LinkAddress address_;
   CrashEntry crash_entry_;    // once connected

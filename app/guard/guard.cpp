@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <pthread.h>
 #include <sys/file.h>
+#include <sys/ioctl.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -63,8 +64,13 @@ struct Line {
   /// A robot that has no answer of its own to a stop is asked over a new connection.
   void read_answer() {
     std::array<std::uint8_t, 512> bytes;
-    for (ssize_t count; (count = ::read(descriptor, bytes.data(), bytes.size())) > 0;)
+    int waiting = 0;  // a terminal that has nothing is not read: see comms/transport.cpp
+    // A few rounds: one robot that talks without end must not keep the others waiting.
+    for (int round = 0; round < 8 && ::ioctl(descriptor, FIONREAD, &waiting) == 0 && waiting > 0; ++round) {
+      const ssize_t count = ::read(descriptor, bytes.data(), bytes.size());
+      if (count <= 0) return;
       stands = stands || (answers() && protocol->acknowledged(std::span(bytes).first(static_cast<std::size_t>(count))));
+    }
   }
   bool answers() const noexcept { return protocol && protocol->answers_stop; }
   /// Also for the run's own descriptor, which may be open in a child of it.

@@ -30,7 +30,7 @@ Bytes exchange(Transport& line, std::span<const std::uint8_t> request, std::size
   EXPECT_EQ(line.write(request).value_or(0), request.size());
   Bytes reply;
   while (reply.size() < size) {
-    pollfd waiting{.fd = line.descriptor(), .events = POLLIN, .revents = 0};
+    pollfd waiting = line.wanted(false);
     if (::poll(&waiting, 1, 10000) <= 0) break;
     std::array<std::uint8_t, 256> bytes;
     const auto count = line.read(bytes);

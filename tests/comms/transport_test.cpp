@@ -1,15 +1,28 @@
 #include "comms/transport.h"
 
+#include <poll.h>
+#include <pthread.h>
+#include <pty.h>
+#include <sched.h>
 #include <sys/socket.h>
+#include <termios.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
+#include <string>
+#include <thread>
+#include <vector>
 
 #include "comms/emulator/pty_emulator.h"
 #include "tests/property.h"
+#include "tests/seconds.h"
 
 namespace skein::comms {
 namespace {
+
+using test::seconds;
 
 LinkAddress serial(const std::string& device) {
   return {LinkKind::serial, device, 0, ""};
@@ -36,7 +49,8 @@ TEST(Transport, SaysWhatAnOperatorUnderstands) {
 TEST(Transport, TriesAgainWhatMayPass) {
   for (const int error : {EBUSY, EHOSTDOWN, ECONNREFUSED, EHOSTUNREACH, ETIMEDOUT, ECONNRESET})
     EXPECT_FALSE(describe_transport_error(error, robot).permanent);
-  for (const int error : {ENOENT, EACCES, ENOTTY}) EXPECT_TRUE(describe_transport_error(error, serial("/x")).permanent);
+  for (const int error : {ENOENT, EACCES, ENOTTY, ENOTDIR, EISDIR, ELOOP, ENAMETOOLONG})
+    EXPECT_TRUE(describe_transport_error(error, serial("/x")).permanent);
 }
 
 TEST(Transport, RefusesWhatIsNoSerialLine) {
@@ -60,6 +74,78 @@ TEST(Transport, LetsNobodyElseOpenTheSameLine) {
     EXPECT_FALSE(second.error().permanent);
   }
   EXPECT_TRUE(Transport::open(serial(robots.device(0))));
+}
+
+bool drive_at(int priority) {
+  sched_param wanted{};
+  wanted.sched_priority = priority;
+  return ::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &wanted) == 0;
+}
+
+/// Other programs have every processor, so that the kernel's thread that passes on what terminals receive gets no time.
+TEST(Transport, ATerminalHoldsUpNobodyOnABusyMachine) {
+  termios raw{};
+  ::cfmakeraw(&raw);
+  int robot = -1, line = -1;
+  ASSERT_EQ(::openpty(&robot, &line, nullptr, &raw, nullptr), 0);
+  auto transport = Transport::open(serial(::ttyname(line)));
+  ASSERT_TRUE(transport) << transport.error().reason;
+  constexpr double busy_for = 0.6, patience = 0.02;  // [s]
+  double longest = 0.0;
+  bool granted = false;
+  std::thread([&] {
+    if (granted = drive_at(21); !granted) return;
+    const double until = seconds() + busy_for;
+    std::vector<std::jthread> others;
+    for (unsigned processor = 0; processor < std::thread::hardware_concurrency(); ++processor)
+      others.emplace_back([until, processor] {
+        cpu_set_t only;
+        CPU_ZERO(&only);
+        CPU_SET(processor, &only);
+        ::pthread_setaffinity_np(::pthread_self(), sizeof only, &only);
+        drive_at(1);
+        while (seconds() < until) continue;
+      });
+    while (seconds() < until) {
+      EXPECT_EQ(::write(robot, "12345678", 8), 8);
+      const double since = seconds();
+      pollfd wanted = transport->wanted(false);
+      std::array<std::uint8_t, 64> bytes{};
+      if (::poll(&wanted, 1, static_cast<int>(1e3 * patience)) > 0)
+        while (transport->read(bytes).value_or(0) > 0) continue;
+      longest = std::max(longest, seconds() - since);
+    }
+  }).join();
+  ::close(line);
+  ::close(robot);
+  if (!granted) GTEST_SKIP() << "the system grants no real-time priority";
+  EXPECT_LT(longest, 0.2) << "s";
+}
+
+/// More than it reads in a turn is not forgotten.
+TEST(Transport, ATerminalTellsOfInputUntilAllIsRead) {
+  termios raw{};
+  ::cfmakeraw(&raw);
+  int robot = -1, line = -1;
+  ASSERT_EQ(::openpty(&robot, &line, nullptr, &raw, nullptr), 0);
+  auto transport = Transport::open(serial(::ttyname(line)));
+  ASSERT_TRUE(transport) << transport.error().reason;
+  const std::string said(100, 'x');
+  ASSERT_EQ(::write(robot, said.data(), said.size()), 100);
+  std::array<std::uint8_t, 30> bytes{};
+  std::size_t heard = 0;
+  while (heard < said.size()) {
+    pollfd wanted = transport->wanted(false);
+    ASSERT_EQ(::poll(&wanted, 1, 30'000), 1);
+    const auto count = transport->read(bytes);
+    ASSERT_TRUE(count) << count.error().reason;
+    heard += *count;
+  }
+  ::close(robot);
+  pollfd wanted = transport->wanted(false);
+  ASSERT_EQ(::poll(&wanted, 1, 30'000), 1);
+  EXPECT_FALSE(transport->read(bytes)) << "it has hung up";
+  ::close(line);
 }
 
 TEST(Transport, BluetoothWithoutAnAdapterIsASentence) {
