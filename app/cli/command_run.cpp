@@ -228,7 +228,6 @@ int run(const RunRequest& request) {
       status_of_report = wrong_input;
     }
   if (kept) summary.kept = kept->folder();
-  constexpr double reader_patience = 60.0;  // the robots stand: the reader may take its time [s]
   if (!request.quiet) print_out(request.json ? as_json(summary) + "\n" : as_lines(summary), reader_patience);
 
   const RunVerdict verdict = verdict_of(summary, *experiment);

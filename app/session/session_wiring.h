@@ -64,9 +64,11 @@ struct SessionWiring {
   }
 
   void tell_sinks(const TickRecord& record) {
+    // Also a run that is paused in the tick that starts it: its events are told here alone.
+    started =
+        started || record.phase == Phase::running || record.phase == Phase::staging || record.phase == Phase::paused;
     if (belongs_to_run(record, started))
       for (RecordSink* sink : options.sinks) sink->record(record);
-    started = started || record.phase == Phase::running || record.phase == Phase::staging;
   }
 
   /// False: a sink failed, and the run with it.

@@ -86,8 +86,8 @@ bool drive_at(int priority) {
 TEST(Transport, ATerminalHoldsUpNobodyOnABusyMachine) {
   termios raw{};
   ::cfmakeraw(&raw);
-  int robot = -1, line = -1;
-  ASSERT_EQ(::openpty(&robot, &line, nullptr, &raw, nullptr), 0);
+  int master = -1, line = -1;
+  ASSERT_EQ(::openpty(&master, &line, nullptr, &raw, nullptr), 0);
   auto transport = Transport::open(serial(::ttyname(line)));
   ASSERT_TRUE(transport) << transport.error().reason;
   constexpr double busy_for = 0.6, patience = 0.02;  // [s]
@@ -107,7 +107,7 @@ TEST(Transport, ATerminalHoldsUpNobodyOnABusyMachine) {
         while (seconds() < until) continue;
       });
     while (seconds() < until) {
-      EXPECT_EQ(::write(robot, "12345678", 8), 8);
+      EXPECT_EQ(::write(master, "12345678", 8), 8);
       const double since = seconds();
       pollfd wanted = transport->wanted(false);
       std::array<std::uint8_t, 64> bytes{};
@@ -117,7 +117,7 @@ TEST(Transport, ATerminalHoldsUpNobodyOnABusyMachine) {
     }
   }).join();
   ::close(line);
-  ::close(robot);
+  ::close(master);
   if (!granted) GTEST_SKIP() << "the system grants no real-time priority";
   EXPECT_LT(longest, 0.2) << "s";
 }
@@ -126,12 +126,12 @@ TEST(Transport, ATerminalHoldsUpNobodyOnABusyMachine) {
 TEST(Transport, ATerminalTellsOfInputUntilAllIsRead) {
   termios raw{};
   ::cfmakeraw(&raw);
-  int robot = -1, line = -1;
-  ASSERT_EQ(::openpty(&robot, &line, nullptr, &raw, nullptr), 0);
+  int master = -1, line = -1;
+  ASSERT_EQ(::openpty(&master, &line, nullptr, &raw, nullptr), 0);
   auto transport = Transport::open(serial(::ttyname(line)));
   ASSERT_TRUE(transport) << transport.error().reason;
   const std::string said(100, 'x');
-  ASSERT_EQ(::write(robot, said.data(), said.size()), 100);
+  ASSERT_EQ(::write(master, said.data(), said.size()), 100);
   std::array<std::uint8_t, 30> bytes{};
   std::size_t heard = 0;
   while (heard < said.size()) {
@@ -141,7 +141,7 @@ TEST(Transport, ATerminalTellsOfInputUntilAllIsRead) {
     ASSERT_TRUE(count) << count.error().reason;
     heard += *count;
   }
-  ::close(robot);
+  ::close(master);
   pollfd wanted = transport->wanted(false);
   ASSERT_EQ(::poll(&wanted, 1, 30'000), 1);
   EXPECT_FALSE(transport->read(bytes)) << "it has hung up";

@@ -76,6 +76,28 @@ TEST(Gestures, AKickedRobotSlidesAndComesBack) {
   expect_replayed(run);
 }
 
+/// Start and pause come to the same tick: what is replayed has begun as well.
+TEST(Gestures, ARunThatIsPausedAsItStartsIsReplayed) {
+  Recorded run;
+  int asked = 0;
+  const Gesture pause = [&](Session& session, double) {
+    ++asked;
+    if (asked == 1) {
+      EXPECT_TRUE(session.pause());
+    } else if (asked == 2) {
+      EXPECT_TRUE(session.move_robot(0, {0.3, 0.4, 1.0}));
+    } else if (asked == 3) {
+      EXPECT_TRUE(session.resume());
+    }
+  };
+  drive(run, short_run(), nothing, pause);
+  EXPECT_EQ(run.rows.count<events::Start>(), 1);
+  EXPECT_EQ(run.rows.count<events::Pause>(), 1);
+  EXPECT_EQ(run.rows.count<events::Move>(), 1);
+  EXPECT_EQ(run.rows.count<events::Resume>(), 1);
+  expect_replayed(run);
+}
+
 TEST(Gestures, ObstaclesAreDroppedMovedAndTakenAwayAndReplayed) {
   Recorded run;
   std::size_t first = 0, early = 0;
