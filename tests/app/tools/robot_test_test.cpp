@@ -4,10 +4,24 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <poll.h>
+#include <pty.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <array>
+#include <span>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
 
 #include "app/experiment/experiment_file.h"
 #include "app/session/wheel_check.h"
+#include "comms/emulator/epuck_firmware.h"
+#include "core/kinematics/robot_type.h"
 #include "tests/app/experiment_texts.h"
+#include "tests/seconds.h"
 
 namespace skein::app {
 namespace {
@@ -144,6 +158,63 @@ TEST(RobotTest, WithoutACameraItKnowsWhatEncodersSay) {
   EXPECT_THAT(
       test(e, e, {{.kind = comms::FaultKind::silent_encoders}}, 1).faults,
       ElementsAre("the left wheel's encoder is silent: 0 steps", "the right wheel's encoder is silent: 0 steps"));
+}
+
+/// A robot on a pseudo-terminal that says everything twice while both its wheels drive.
+class RepeatsItself {
+ public:
+  RepeatsItself() {
+    termios raw{};
+    ::cfmakeraw(&raw);
+    EXPECT_EQ(::openpty(&robot_, &line_, nullptr, &raw, nullptr), 0);
+    thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+  }
+  ~RepeatsItself() {
+    thread_ = {};
+    ::close(line_);
+    ::close(robot_);
+  }
+  std::string address() const { return std::string("serial:") + ::ttyname(line_); }
+
+ private:
+  void run(const std::stop_token& stop) {
+    comms::EpuckFirmware firmware(core::MotorModel::epuck2);
+    for (double then = test::seconds(); !stop.stop_requested();) {
+      pollfd said{robot_, POLLIN, 0};
+      if (::poll(&said, 1, 1) < 1) continue;
+      std::array<std::uint8_t, 256> bytes{};
+      const ssize_t count = ::read(robot_, bytes.data(), bytes.size());
+      const double now = test::seconds();
+      firmware.advance(now - std::exchange(then, now));
+      if (count <= 0) continue;
+      std::vector<std::uint8_t> reply;
+      firmware.receive(std::span(bytes).first(static_cast<std::size_t>(count)), reply);
+      const core::WheelSpeeds told = firmware.told();
+      const int times = told.left != 0.0 && told.right != 0.0 ? 2 : 1;
+      for (int k = 0; k < times; ++k)
+        EXPECT_EQ(::write(robot_, reply.data(), reply.size()), static_cast<ssize_t>(reply.size()));
+    }
+  }
+  int robot_ = -1, line_ = -1;
+  std::jthread thread_;
+};
+
+/// It is its link that stops such a robot, not its watchdog: what a file said of that would be relied on.
+TEST(RobotTest, ARobotThatItsLinkStopsHasShownNoWatchdog) {
+  RepeatsItself anna;
+  Experiment experiment;
+  RobotSpec& robot = experiment.robots.emplace_back();
+  robot.link = RobotSpec::Link::device;
+  robot.address = anna.address();
+  robot.type = core::find_robot_type("epuck2");
+  SessionClock clock(true);
+  auto plant = Plant::open(experiment, clock, {});
+  ASSERT_TRUE(plant) << plant.error();
+  const auto result = RobotTest(**plant, clock, experiment, [] { return true; }).test(0);
+  ASSERT_TRUE(result) << result.error();
+  EXPECT_THAT(result->faults, IsEmpty());
+  EXPECT_FALSE(result->watchdog) << *result->watchdog;
+  EXPECT_THAT(result->notes, ElementsAre(HasSubstr("whether it has a watchdog is not known")));
 }
 
 TEST(WheelFaults, AWheelThatTurnsTooFarIsOneUnlessItWasToldForSoLong) {
