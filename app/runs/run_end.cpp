@@ -47,6 +47,11 @@ RunVerdict verdict_of(const Statistics::Summary& summary, const Experiment& expe
   if (summary.dropped_rows > 0)
     verdict.problems.push_back(
         fmt::format("{} rows are missing from the record: writing it was too slow", summary.dropped_rows));
+  if (summary.camera_damaged > 0)
+    verdict.problems.push_back(fmt::format("{} damaged frame{} of {} {} left out, and showed no robot",
+                                           summary.camera_damaged, summary.camera_damaged == 1 ? "" : "s",
+                                           experiment.cameras() > 1 ? "the cameras" : experiment.camera.source,
+                                           summary.camera_damaged == 1 ? "was" : "were"));
   if (!summary.video_problem.empty())
     verdict.problems.push_back("the film of the run is not complete: " + summary.video_problem);
   if (!summary.failure.empty() || !summary.video_problem.empty() || !summary.not_stopped.empty()) {
