@@ -235,7 +235,8 @@ tl::expected<CameraReport, std::string> examine_camera(const CameraCase& wanted)
                "skein calibrate floor");
   const vision::SourceStatus status = (*source)->status();
   for (const std::string& notice : status.notices)
-    report.findings.push_back({State::note, "camera", notice, "skein camera list shows its settings"});
+    report.findings.push_back(live ? Finding{State::note, "camera", notice, "skein camera list shows its settings"}
+                                   : Finding{State::ill, "times", notice, "record it anew, with the frames' times"});
   if (status.passed_over > 0)
     report.findings.push_back(
         {State::note, "passed over",
@@ -249,8 +250,10 @@ tl::expected<CameraReport, std::string> examine_camera(const CameraCase& wanted)
              repeated, frames),
          "a shorter exposure, more light or a lower --rate; a capture program: look whether its input runs"});
   if (status.damaged > 0)
-    report.findings.push_back({State::ill, "damaged frames", fmt::format("{}", status.damaged),
-                               "another cable, a port of its own; for GigE jumbo frames and larger receive buffers"});
+    report.findings.push_back(
+        {State::ill, "damaged frames", fmt::format("{}", status.damaged),
+         live ? "another cable, a port of its own; for GigE jumbo frames and larger receive buffers"
+              : "copy the film again, or record it anew"});
   if (status.outages > 0)
     report.findings.push_back({State::ill, "outages", fmt::format("{}, the last: {}", status.outages, status.reason),
                                "look at cable and power"});

@@ -90,7 +90,15 @@ class Video final : public FrameSource {
   bool recorded() const override { return recorded_; }
   const FilmNotes& notes() const override { return notes_; }
   std::span<const std::string> skipped() const override { return skipped_; }
-  SourceStatus status() const override { return {.damaged = left_out_.load(std::memory_order_relaxed)}; }
+  SourceStatus status() const override {
+    SourceStatus status{.damaged = left_out_.load(std::memory_order_relaxed)};
+    if (const std::int64_t frames = out_of_order_.load(std::memory_order_relaxed); frames > 0)
+      status.notices.push_back(fmt::format(
+          "{}: {} frame{} not later than the frame before, by the film's own times: the frames were counted "
+          "on at its usual rate, and no time of this film can be relied on",
+          path_, frames, frames == 1 ? " is" : "s are"));
+    return status;
+  }
 
  private:
   std::string not_readable(const Errors& errors, int result) const {
@@ -102,7 +110,9 @@ class Video final : public FrameSource {
           "whole film of the same camera",
           path_);
     return fmt::format("{}: not a readable video: {}", path_,
-                       errors.any() && !no_table ? errors.last() : reason(result));
+                       errors.any() && !no_table ? errors.last()
+                       : result == AVERROR_EOF   ? "there are no pictures in it"
+                                                 : reason(result));
   }
 
   /// FFmpeg takes anything for one that has such a name.
@@ -271,13 +281,17 @@ class Video final : public FrameSource {
     return {};
   }
 
-  /// Some containers carry no stamps: then the frames are evenly spaced.
+  /// Some containers carry no stamps: then the frames are evenly spaced. So are those whose stamps are set back.
   double time_in_film() {
     const std::int64_t stamp = picture_->best_effort_timestamp;
     if (first_stamp_ == AV_NOPTS_VALUE) first_stamp_ = stamp;
     const double at =
         stamp == AV_NOPTS_VALUE ? -1.0 : static_cast<double>(stamp - first_stamp_) * av_q2d(stream_->time_base);
     const bool stamped = at > last_time_ || (last_time_ < 0.0 && at >= 0.0);
+    if (stamp != AV_NOPTS_VALUE) {
+      if (last_stamp_ != AV_NOPTS_VALUE && stamp <= last_stamp_) out_of_order_.fetch_add(1, std::memory_order_relaxed);
+      last_stamp_ = stamp;
+    }
     last_time_ = stamped ? at : last_time_ < 0.0 ? 0.0 : last_time_ + (rate_ > 0.0 ? 1.0 / rate_ : 0.04);
     return last_time_;
   }
@@ -313,12 +327,13 @@ class Video final : public FrameSource {
   double rate_ = 0.0;
   double last_time_ = -1.0;
   double ends_at_ = -1.0;  // its newest packet, in its own time [s]
-  std::int64_t first_stamp_ = AV_NOPTS_VALUE;
+  std::int64_t first_stamp_ = AV_NOPTS_VALUE, last_stamp_ = AV_NOPTS_VALUE;
   std::map<std::int64_t, Stamp> stamps_;  // of a recorded film's packets that are being decoded, by their times
   std::int64_t pictures_ = 0;             // that the decoder gave
   std::int64_t whole_ = 0;                // that were handed on
   std::atomic<std::int64_t> left_out_ = 0;
-  int width_ = 0;  // of the first picture
+  std::atomic<std::int64_t> out_of_order_ = 0;  // whose times are not later than the previous frame's
+  int width_ = 0;                               // of the first picture
   int height_ = 0;
   std::int64_t packets_ = 0;                      // that the decoder was given
   bool damaged_ = false;                          // since the newest picture that builds on no other

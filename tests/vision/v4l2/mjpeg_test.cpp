@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <functional>
 #include <random>
 #include <utility>
 
@@ -284,6 +285,56 @@ TEST(Mjpeg, AnAviWhoseRestIsMissingSaysSo) {
     if (whole) continue;
     EXPECT_NE(said.back().find("is missing: its header states 0.80 s"), std::string::npos) << said.back();
   }
+}
+
+/// An element of Matroska: its number, its length in four bytes, its content.
+std::string element(const std::string& id, const std::string& content) {
+  std::string size = number(0x10000000 + static_cast<std::uint32_t>(content.size()));
+  std::reverse(size.begin(), size.end());
+  return id + size + content;
+}
+
+/// A film in Matroska whose frames have these times. [ms]
+std::string matroska_of(const Bytes& picture, const std::vector<std::uint16_t>& times, int width, int height) {
+  const auto two = [](int value) { return std::string{static_cast<char>(value >> 8), static_cast<char>(value)}; };
+  const std::string video = element("\xb0", two(width)) + element("\xba", two(height));
+  const std::string track = element("\xd7", "\1") + element("\x73\xc5", "\1") + element("\x83", "\1") +
+                            element("\x86", "V_MJPEG") + element("\xe0", video);
+  std::string film = element("\x16\x54\xae\x6b", element("\xae", track));
+  for (const std::uint16_t time : times)
+    film += element("\x1f\x43\xb6\x75",
+                    element("\xe7", two(time)) +
+                        element("\xa3", std::string("\x81\0\0\x80", 4) + std::string(picture.begin(), picture.end())));
+  return element("\x1a\x45\xdf\xa3", element("\x42\x82", "matroska")) + element("\x18\x53\x80\x67", film);
+}
+
+/// Their frames were given other times in silence, and `skein camera doctor` called those regular.
+TEST(Mjpeg, AFilmWhoseTimesAreSetBackSaysSo) {
+  const Floor floor;
+  const Bytes picture = encode(floor.frame, false);
+  test::Folder folder;
+  const std::string path = folder.file("film.mkv");
+  const auto times_and_notices = [&](const std::vector<std::uint16_t>& times) {
+    test::write_file(path, matroska_of(picture, times, floor.frame.width, floor.frame.height));
+    const auto source = open_source("video:" + path);
+    EXPECT_TRUE(source) << source.error();
+    std::vector<double> read;
+    for (Frame frame; (*source)->read(frame).value();) read.push_back(frame.captured_at);
+    EXPECT_EQ(read.size(), times.size());
+    EXPECT_EQ(std::adjacent_find(read.begin(), read.end(), std::greater_equal<>()), read.end()) << "each is later";
+    return std::pair{read, (*source)->status().notices};
+  };
+  const auto [even, none] = times_and_notices({0, 40, 80, 120, 160, 200});
+  EXPECT_NEAR(even[5], 0.2, 1e-9);
+  EXPECT_EQ(none, std::vector<std::string>()) << "the control";
+  EXPECT_EQ(times_and_notices({0, 40, 80, 2120, 2160, 2200}).second, std::vector<std::string>()) << "a gap";
+  const auto [back, said] = times_and_notices({2000, 2040, 2080, 120, 160, 200});
+  ASSERT_EQ(said.size(), 1U);
+  EXPECT_TRUE(said[0].starts_with(path + ": 1 frame is not later than the frame before, by the film's own times"))
+      << said[0];
+  const auto [still, also] = times_and_notices({0, 40, 40, 40, 80, 120});
+  ASSERT_EQ(also.size(), 1U);
+  EXPECT_TRUE(also[0].starts_with(path + ": 2 frames are not later")) << also[0];
 }
 
 TEST(Mjpeg, AHeaderThatAsksForAllOfTheMemoryIsDamaged) {
