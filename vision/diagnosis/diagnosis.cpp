@@ -261,8 +261,11 @@ std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibr
   const double expected_px = tag_edge_px(calibration);
   for (std::size_t i = 0; i < answers.size(); ++i) {
     TagDiagnosis& answer = answers[i];
-    // Where all of the picture is too dark or too bright, a tag that is not accepted lacks light above all.
-    if (answer.why == NotSeen::covered && light.saturated > saturated_share) answer.why = NotSeen::too_bright;
+    // Where all of the picture is too dark or too bright, a tag that is not accepted lacks light above all: where white
+    // spills over the ink's edges, the tag looks smaller.
+    const bool smaller = answer.why == NotSeen::wrong_size && answer.size < calibration.tag_size;
+    if ((smaller || answer.why == NotSeen::covered) && light.saturated > saturated_share)
+      answer.why = NotSeen::too_bright;
     if (answer.why == NotSeen::covered && light.brightest < dark_grey) answer.why = NotSeen::in_shadow;
     const std::optional<double>& before = missing[i].lifted_from;
     if (answer.why == NotSeen::covered && before) {

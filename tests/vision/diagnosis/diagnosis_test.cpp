@@ -220,6 +220,23 @@ TEST(Diagnosis, TooLittleAndTooMuchLight) {
   EXPECT_EQ(lab.diagnosis().why, NotSeen::too_bright);
 }
 
+/// White that spills over the ink's edges makes a tag smaller, which is no fault of its print.
+TEST(Diagnosis, ATagThatTheLightMakesSmallerIsNotOfAnotherSize) {
+  DiagnosisLab lab;
+  int smaller = 0;
+  for (const double brightness : {2.0, 3.0, 4.0, 6.0, 8.0, 12.0}) {
+    lab.show({{3, {0.3, -0.2, 0.4}, 0.06}}, {.blur_px = 1.5, .brightness = brightness});
+    if (lab.tracked()) continue;
+    const TagDiagnosis found = lab.diagnosis();
+    smaller += found.size > 0.0 && found.size < 0.97 * lab.calibration.tag_size ? 1 : 0;
+    EXPECT_EQ(found.why, NotSeen::too_bright) << brightness << ": " << lab.said();
+  }
+  EXPECT_GE(smaller, 1);
+  // The control: it is, in the same light.
+  lab.show({{3, {0.3, -0.2, 0.4}, 0.08}}, {.brightness = 3.0});
+  EXPECT_EQ(lab.diagnosis().why, NotSeen::wrong_size) << lab.said();
+}
+
 TEST(Diagnosis, TagsWithTooFewPixels) {
   DiagnosisLab lab;
   lab.calibration.tag_size = 0.012;
