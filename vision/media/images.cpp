@@ -18,6 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::uintmax_t most_bytes = 1'000'000'000;  // of a file: more is no picture
+
 bool looks_like_a_picture(const fs::path& path) {
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
@@ -59,6 +61,7 @@ class Images final : public FrameSource {
     std::error_code not_known;
     const std::uintmax_t size = fs::file_size(file, not_known);
     if (!in || not_known) return "cannot be read";
+    if (size > most_bytes) return "has more than 1 GB";
     bytes_.resize(size);  // at once, which is faster than byte by byte
     in.read(reinterpret_cast<char*>(bytes_.data()), static_cast<std::streamsize>(size));
     bytes_.resize(static_cast<std::size_t>(in.gcount()));

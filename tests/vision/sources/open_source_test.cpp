@@ -115,6 +115,21 @@ TEST(Images, DamagedOnesAreSkippedAndReported) {
   EXPECT_EQ(skipped[2], folder.file("d.pgm") + ": is empty");
 }
 
+/// Such a file is left out like any other that is no picture; its bytes were read, and memory ended.
+TEST(Images, OneThatIsFarTooLargeIsLeftOut) {
+  test::Folder folder;
+  test::write_file(folder.file("a.png"), "");
+  std::filesystem::resize_file(folder.file("a.png"), std::uintmax_t{1} << 40);  // a hole, which takes no place
+  test::write_file(folder.file("b.pgm"), "P5\n2 1\n255\nab");
+  const auto source = open_source("images:" + folder.path());
+  ASSERT_TRUE(source) << source.error();
+  Frame frame;
+  EXPECT_TRUE((*source)->read(frame).value());
+  EXPECT_EQ(frame.source, "b.pgm");
+  ASSERT_EQ((*source)->skipped().size(), 1U);
+  EXPECT_EQ((*source)->skipped()[0], folder.file("a.png") + ": has more than 1 GB");
+}
+
 TEST(Images, MayBeOneFile) {
   test::Folder folder;
   test::write_pgm(folder.file("one.pgm"), test::uniform_frame(16, 16, 1));
