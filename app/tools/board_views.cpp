@@ -5,13 +5,15 @@
 namespace skein::app {
 namespace {
 
-constexpr double live_step = 0.03, film_step = 0.0025;
+// Of the picture's width: how far the board has moved since all other views. A picture that is there twice, or shows a
+// board that nobody has moved, says nothing new: counted as a view, it would only make the deviations too small.
+constexpr double live_step = 0.03, film_step = 0.0025, still_step = 0.0002;
 
 }  // namespace
 
 BoardViews::BoardViews(const vision::Board& board, const vision::FrameSource& source, bool live)
     : board_(board),
-      step_(source.stills() ? 0.0
+      step_(source.stills() ? still_step
             : live          ? live_step
                             : film_step) {}
 
@@ -27,7 +29,7 @@ tl::expected<BoardViews::FrameKind, std::string> BoardViews::add(const vision::F
   if (other_size) coverage_.emplace(frame.width, frame.height);  // until now no picture showed the board
   newest_ = *corners;
   vision::BoardView view{frame.source, std::move(*corners)};
-  if (step_ > 0.0 && !vision::is_new_view(views_, view, step_ * frame.width)) return FrameKind::known;
+  if (!vision::is_new_view(views_, view, step_ * frame.width)) return FrameKind::known;
   coverage_->add(view);
   views_.push_back(std::move(view));
   return FrameKind::view;

@@ -12,8 +12,8 @@
 
 namespace skein::app {
 
-/// Views of a calibration board, collected frame by frame: every one of single images; from a film or a camera those
-/// that show the board in a new place or orientation.
+/// Views of a calibration board, collected frame by frame: those that show the board in a new place or orientation.
+/// Of single images that is every one but copies, and those between which nobody moved the board.
 class BoardViews {
  public:
   /// `live`: a camera, which is watched until there are enough views. From a film, which ends by itself, more views are
@@ -47,7 +47,7 @@ class BoardViews {
 
  private:
   vision::Board board_;
-  double step_;  // from one view to the next, in picture widths; 0: keep all
+  double step_;  // from one view to the next, in picture widths
   std::vector<vision::BoardCorner> newest_;
   std::vector<vision::BoardView> views_;
   std::optional<vision::Coverage> coverage_;
