@@ -201,6 +201,16 @@ tl::expected<void, std::string> check_calibration_target(const std::filesystem::
 
 namespace {
 
+/// What would be written; what no command could read again is not.
+tl::expected<std::string, std::string> readable_text(const Calibration& calibration,
+                                                     const std::filesystem::path& path) {
+  std::string text = format_calibration(calibration);
+  if (const auto again = parse_calibration(text, path.string()); !again)
+    return tl::unexpected(
+        fmt::format("{}: the calibration is not written, since it is none: {}", path.string(), again.error()));
+  return text;
+}
+
 /// Where the previous contents of a file go: beside it, as ".old", or ".old-2" where that is a link or a file to be
 /// left.
 std::filesystem::path name_for_old(const std::filesystem::path& path, std::span<const std::string> leave) {
@@ -221,12 +231,14 @@ tl::expected<std::filesystem::path, std::string> replace_calibration(const Calib
                                                                      const std::filesystem::path& path,
                                                                      std::span<const std::string> leave) {
   if (auto possible = check_calibration_target(path); !possible) return tl::unexpected(possible.error());
+  const auto text = readable_text(calibration, path);
+  if (!text) return tl::unexpected(text.error());
   std::filesystem::path old;
   std::error_code ignored;
   if (std::filesystem::exists(path, ignored)) {
     const auto before = read_text(path.string());
     if (!before) return tl::unexpected(before.error().front().message() + "; nothing was written");
-    if (!before->empty() && *before != format_calibration(calibration)) {
+    if (!before->empty() && *before != *text) {
       old = name_for_old(path, leave);
       auto kept = FileChange::begin(old.string());
       if (const auto saved = kept ? kept->save(*before) : tl::unexpected(kept.error()); !saved)
@@ -240,9 +252,11 @@ tl::expected<std::filesystem::path, std::string> replace_calibration(const Calib
 
 tl::expected<void, std::string> save_calibration(const Calibration& calibration, const std::filesystem::path& path) {
   if (auto possible = check_calibration_target(path); !possible) return possible;
+  const auto text = readable_text(calibration, path);
+  if (!text) return tl::unexpected(text.error());
   auto change = FileChange::begin(path.string());
   if (!change) return tl::unexpected(change.error());
-  return change->save(format_calibration(calibration));
+  return change->save(*text);
 }
 
 }  // namespace skein::app

@@ -55,6 +55,19 @@ std::unique_ptr<vision::FrameSource> open(const std::string& name, const CameraW
   return std::move(*source);
 }
 
+/// Why the calibration must not be written there: the source is read from it. Empty: it is not.
+std::string over_source(const std::string& out, const std::string& source) {
+  namespace fs = std::filesystem;
+  const auto address = vision::parse_source(source);
+  if (!address || address->live()) return {};
+  std::error_code ignored;
+  const fs::path file(out), folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  const bool a_picture =
+      file.extension() != ".toml" && fs::exists(file, ignored) && same_file(folder.string(), address->where);
+  if (!a_picture && !same_file(out, address->where)) return {};
+  return fmt::format("{}: belongs to {}, allowed: another name for the calibration", out, source);
+}
+
 void name_skipped(const vision::FrameSource& source) {
   for (const std::string& skipped : source.skipped()) complain(fmt::format("skipped {}", skipped));
 }
@@ -150,6 +163,8 @@ int calibrate_intrinsics(const IntrinsicsRequest& request) {
     return fail_with(problem, wrong_input);
   if (const auto possible = check_calibration_target(request.out); !possible)
     return fail_with(possible.error(), wrong_input);
+  if (const std::string over = over_source(request.out, request.source); !over.empty())
+    return fail_with(over, wrong_input);
   int status = done;
   const auto source = open(request.source, request.words, nullptr, status);
   if (!source) return status;
@@ -189,6 +204,7 @@ int calibrate_intrinsics(const IntrinsicsRequest& request) {
         if (terminal || (live && !request.quiet)) show();
         break;
       case BoardViews::FrameKind::known:
+        if (stills) complain(fmt::format("{}: left out: the board is where it is in another picture", frame.source));
         break;
     }
   }
@@ -245,6 +261,7 @@ int calibrate_floor(const FloorRequest& request) {
   if (same_file(out, request.marks))
     return fail_with(fmt::format("{}: is the file of the marks, allowed: another name for the calibration", out),
                      wrong_input);
+  if (const std::string over = over_source(out, request.source); !over.empty()) return fail_with(over, wrong_input);
   int status = done;
   auto looked = look(request, /*need_world=*/false, status);
   if (!looked) return status;
@@ -253,6 +270,9 @@ int calibrate_floor(const FloorRequest& request) {
   vision::Calibration* const result = &solved->calibration;
   if (request.tag_size > 0.0) result->tag_size = request.tag_size;
   if (request.tag_height >= 0.0) result->tag_height = request.tag_height;
+  result->marks = vision::kept_marks(*solved, looked->marks, looked->sight);
+  if (const std::string wrong = vision::wrong_mark_size(result->marks); !wrong.empty())
+    return fail_with(wrong + "; nothing was written", device_failed);
   if (const std::string wrong = vision::wrong_tag_height(*result); !wrong.empty()) return fail_with(wrong, wrong_input);
   if (request.measure_height >= 0) {
     const auto& ids = looked->sight.ids;
@@ -270,7 +290,6 @@ int calibrate_floor(const FloorRequest& request) {
   }
   const auto check = vision::check_floor(*result, looked->marks);
   if (!check) return fail_with(check.error(), device_failed);
-  result->marks = vision::kept_marks(*solved, looked->marks, looked->sight);
   const auto old = replace_calibration(*result, out, std::array{request.camera, request.marks});
   if (!old) return fail_with(old.error(), wrong_input);
   if (!old->empty()) complain(fmt::format("{} was overwritten; its previous contents are in {}", out, old->string()));

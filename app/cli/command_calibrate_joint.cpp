@@ -112,6 +112,7 @@ int calibrate_joint(const JointRequest& request) {
       });
   if (show_progress) print_error_as_is("\r\033[K");
   if (!found) return refuse(found.error() + "; nothing was written", device_failed);
+  for (const std::string& skipped : found->skipped) complain(fmt::format("skipped {}", skipped));
   if (!request.quiet) print(*found, request.reference - 1);
   if (!request.out.empty()) {
     std::error_code error;

@@ -49,10 +49,11 @@ tl::expected<FloorSurvey, std::string> survey_floor(const FloorQuestion& questio
   vision::Calibration* const result = &solved->calibration;
   result->tag_size = question.tag_size;
   result->tag_height = question.tag_height;
+  result->marks = vision::kept_marks(*solved, marks, *sight);
+  if (const std::string wrong = vision::wrong_mark_size(result->marks); !wrong.empty()) return tl::unexpected(wrong);
   if (const std::string wrong = vision::wrong_tag_height(*result); !wrong.empty()) return tl::unexpected(wrong);
   const auto check = vision::check_floor(*result, marks);
   if (!check) return tl::unexpected(check.error());
-  result->marks = vision::kept_marks(*solved, marks, *sight);
   if (!goes_on()) return tl::unexpected(std::string("ended"));
   if (const auto old = replace_calibration(*result, question.calibration); !old) return tl::unexpected(old.error());
   FloorSurvey survey{question.tags, check->rms, check->worst};

@@ -64,6 +64,8 @@ tl::expected<JointFilms, std::string> joint_films(const Experiment& experiment, 
       ++frames;
       add_sights(detector.detect(frame), wanted, *calibration, frame.captured_at, sights[k]);
     }
+    for (const std::string& skipped : opened->source->skipped())
+      result.skipped.push_back(camera_prefix(experiment, k) + skipped);
     result.frames.push_back(frames);
     result.sights.push_back(sights[k].size());
     calibrations.push_back(*calibration);

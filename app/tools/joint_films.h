@@ -17,6 +17,7 @@ struct JointFilms {
   std::vector<std::string> files{};    ///< of each camera's calibration; empty: the synthetic camera's own
   std::vector<std::int64_t> frames{};  ///< of each film
   std::vector<std::size_t> sights{};   ///< of robots, likewise
+  std::vector<std::string> skipped{};  ///< what could not be read of the films, a sentence each
 };
 
 /// Called before each frame with the camera whose film is searched, from 0, and the number of frames searched so far;

@@ -20,6 +20,8 @@ namespace {
 
 constexpr std::size_t least_marks = 4;
 constexpr std::size_t least_to_suspect = 6;
+constexpr double farthest = 100.0;                         // of a camera, along each axis [m]
+constexpr double smallest_tag = 0.005, largest_tag = 2.0;  // that is printed [m]
 
 /// Where the picture shows a tag's middle: its diagonals' crossing, which perspective leaves alone (the corners' mean
 /// is not it).
@@ -141,6 +143,12 @@ tl::expected<Calibration, std::string> solve_floor(const Calibration& intrinsics
     return tl::unexpected(
         std::string("the camera would be under the floor: are x and y of the marks in a frame whose z "
                     "points up (x right, y up as seen from above)?"));
+  const Eigen::Vector3d& at = result.world_from_camera->position;
+  if (!(at.cwiseAbs().maxCoeff() <= farthest))
+    return tl::unexpected(fmt::format(
+        "the camera would hang at ({:.0f}, {:.0f}, {:.0f}) m; allowed: {:.0f} m and less: are the places of "
+        "the marks in m?",
+        at.x(), at.y(), at.z(), farthest));
   return result;
 }
 
@@ -253,6 +261,16 @@ std::vector<FloorMark> kept_marks(const TrustedFloor& floor, const std::vector<F
     if (const auto square = place_on_plane(at_mark, corners)) mine.size = square->edge;
   }
   return kept;
+}
+
+std::string wrong_mark_size(const std::vector<FloorMark>& kept) {
+  for (const FloorMark& mark : kept)
+    if (mark.size > 0.0 && !(mark.size >= smallest_tag && mark.size <= largest_tag))
+      return fmt::format(
+          "{} on the floor would have an edge of {:.3g} mm; allowed: {:.0f} to {:.0f} mm: are the places of the marks "
+          "in m?",
+          mark.name, 1e3 * mark.size, 1e3 * smallest_tag, 1e3 * largest_tag);
+  return {};
 }
 
 std::optional<PoseShift> pose_shift(const Calibration& before, const Calibration& after) {

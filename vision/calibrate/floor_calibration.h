@@ -83,6 +83,9 @@ struct PoseShift {
 /// None where the old one has no world frame, or does not see the whole rectangle of the new one's marks.
 std::optional<PoseShift> pose_shift(const Calibration& before, const Calibration& after);
 
+/// Empty, or which of the marks that were kept has the size of no tag: then their places are in another unit.
+std::string wrong_mark_size(const std::vector<FloorMark>& kept);
+
 /// Empty, or why the robots' tags cannot be as high as the calibration says: they are not below its camera.
 std::string wrong_tag_height(const Calibration& calibration);
 

@@ -8,6 +8,7 @@
 #include <array>
 #include <csignal>
 #include <filesystem>
+#include <limits>
 
 #include "tests/app/folder.h"
 #include "tests/places.h"
@@ -226,6 +227,27 @@ TEST(CalibrationFile, WhatIsWrittenOverIsKept) {
   EXPECT_EQ(*load_calibration(file), second);
   std::filesystem::remove(old);
   std::filesystem::remove(file);
+}
+
+TEST(CalibrationFile, WhatCouldNotBeReadAgainIsNotWritten) {
+  const test::Folder folder;
+  const std::string file = folder / "cal.toml";
+  const Calibration good_one = *parse_calibration(good, "cal.toml");
+  ASSERT_TRUE(save_calibration(good_one, file));
+  Calibration high = good_one, unlike = good_one;
+  high.world_from_camera->position.z() = 200.0;
+  unlike.distortion[4] = std::numeric_limits<double>::quiet_NaN();
+  for (const Calibration& wrong : {high, unlike}) {
+    const auto saved = save_calibration(wrong, file);
+    const auto replaced = replace_calibration(wrong, file);
+    ASSERT_FALSE(saved);
+    ASSERT_FALSE(replaced);
+    EXPECT_TRUE(saved.error().starts_with(file + ": the calibration is not written, since it is none: " + file))
+        << saved.error();
+    EXPECT_EQ(replaced.error(), saved.error());
+    EXPECT_EQ(*load_calibration(file), good_one);
+    EXPECT_FALSE(std::filesystem::exists(file + ".old"));
+  }
 }
 
 TEST(CalibrationFile, IsWrittenOverNothingElse) {

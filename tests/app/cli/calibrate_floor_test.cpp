@@ -107,6 +107,48 @@ TEST(CalibrateFloor, LooksAtNothingIfItsFileCannotBeWritten) {
   EXPECT_THAT(lab.run(calibrate_floor, 2), HasSubstr("a device or a FIFO, allowed: a file"));
 }
 
+/// In centimetres the camera would hang 200 m high. The result was written, and no command could read it.
+TEST(CalibrateFloor, RefusesMarksInAnotherUnit) {
+  Lab lab;
+  lab.photograph("first", 0.0);
+  const std::string before = skein::test::read_file(lab.request.camera);
+  const auto say = [&](double unit) {
+    lab.request.marks = lab.folder / "unit.toml";
+    std::ofstream marks(lab.request.marks);
+    for (const vision::SyntheticTag& tag : lab.tags)
+      marks << fmt::format("[[tag]]\nid = {}\nx = {}\ny = {}\n", tag.tag, unit * tag.pose.x, unit * tag.pose.y);
+    marks.close();
+    std::string said = lab.run(calibrate_floor, 3);
+    EXPECT_EQ(skein::test::read_file(lab.request.camera), before);
+    return said;
+  };
+  EXPECT_THAT(say(100.0), HasSubstr(") m; allowed: 100 m and less: are the places of the marks in m?"));
+  EXPECT_THAT(say(39.37), HasSubstr("on the floor would have an edge of 2.36e+03 mm; allowed: 5 to 2000 mm"));
+  EXPECT_THAT(say(0.01), HasSubstr("allowed: 5 to 2000 mm: are the places of the marks in m?; nothing was written"));
+}
+
+TEST(CalibrateFloor, WritesOverNothingThatItReads) {
+  Lab lab;
+  lab.photograph("first", 0.0);
+  lab.request.marks = lab.folder / "floor.toml";
+  const std::string picture = lab.folder / "first/0.pgm", before = skein::test::read_file(picture);
+  for (const std::string& source : {lab.request.source, "images:" + picture}) {
+    lab.request.source = source;
+    lab.request.out = picture;
+    EXPECT_THAT(lab.run(calibrate_floor, 2), HasSubstr(picture + ": belongs to " + source + ", allowed: another name"));
+    IntrinsicsRequest intrinsics;
+    intrinsics.source = source;
+    intrinsics.out = picture;
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(calibrate_intrinsics(intrinsics), 2);
+    EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("belongs to " + source));
+    EXPECT_EQ(skein::test::read_file(picture), before);
+  }
+  lab.request.out = lab.folder / "first/camera.toml";  // the control: beside the pictures it may lie
+  lab.run(calibrate_floor, 0);
+  lab.run(calibrate_floor, 0);
+}
+
 TEST(CalibrateFloor, WritesNothingOnCtrlC) {
   Lab lab;
   lab.photograph("first", 0.0);

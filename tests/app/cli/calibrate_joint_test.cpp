@@ -105,6 +105,17 @@ TEST(CalibrateJoint, MakesTwoCamerasAgreeAndOverwritesNothingUnasked) {
   EXPECT_THAT(lab.run(3), HasSubstr("run-2.mkv was recorded with another calibration than"));
 }
 
+TEST(CalibrateJoint, NamesTheFramesThatItCannotRead) {
+  JointLab lab;
+  lab.film(22);
+  const std::string film = lab.folder / "run-2.mkv";
+  std::fstream file(film, std::ios::in | std::ios::out | std::ios::binary);
+  const auto middle = static_cast<std::streamoff>(std::filesystem::file_size(film) / 2);
+  for (std::streamoff at = middle; at < middle + 400; at += 40) file.seekp(at).put('?');
+  file.close();
+  EXPECT_THAT(lab.run(0), HasSubstr("skipped camera 2: " + film + ": frame 1"));
+}
+
 TEST(CalibrateJoint, RefusesWhatItCannotUse) {
   JointLab lab;
   EXPECT_THAT(lab.run(3), HasSubstr("run.mkv"));
