@@ -121,6 +121,10 @@ std::string obstacle(const Plant& plant, const Experiment& experiment, std::size
     return fmt::format("{} has no link, so that there are no counters of its wheels to compare with",
                        robot_name(experiment, robot));
   if (!plant.cameras()) return "camera.source is \"none\": there is no camera to measure";
+  for (std::size_t k = 0; k < experiment.cameras(); ++k)
+    if (experiment.camera_at(k).kind() == CameraKind::recorded)
+      return fmt::format("{}camera.source is \"{}\", which does not show how {} turns now; allowed: a camera",
+                         camera_prefix(experiment, k), experiment.camera_at(k).source, robot_name(experiment, robot));
   return {};
 }
 

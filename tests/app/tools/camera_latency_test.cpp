@@ -295,6 +295,11 @@ TEST(CameraLatency, SaysWhatItNeeds) {
   EXPECT_THAT(error(measure(good(one_under_it))), HasSubstr("there is no camera"));
   EXPECT_THAT(error(measure(lab({"robot.2.start=[-0.3, 0.274, 0.0]"}, two_under_it))),
               HasSubstr("give it room to turn"));
+  Experiment film = lab();
+  film.camera.source = "video:run.mkv";
+  EXPECT_THAT(
+      error(measure(lab(), film)),
+      HasSubstr("camera.source is \"video:run.mkv\", which does not show how robot 1 turns now; allowed: a camera"));
   Experiment outside = lab({"rate=10"});  // fewer frames to draw
   outside.robots[0].start = {5.0, 0.0, 0.0};
   EXPECT_THAT(error(measure(outside)), HasSubstr("tag 1 of robot 1 is not seen"));
