@@ -215,7 +215,10 @@ tl::expected<CameraReport, std::string> examine_camera(const CameraCase& wanted)
     }
     if (wanted.keep_going && !wanted.keep_going()) break;
   }
-  if (!examination) return tl::unexpected((*source)->describe() + ": no frame came");
+  const auto skipped = (*source)->skipped();
+  if (!examination)
+    return tl::unexpected((*source)->describe() + ": no frame came" +
+                          (skipped.empty() ? "" : fmt::format(" (skipped {})", skipped.front())));
 
   CameraReport report;
   report.camera = (*source)->describe();
@@ -251,9 +254,10 @@ tl::expected<CameraReport, std::string> examine_camera(const CameraCase& wanted)
          "a shorter exposure, more light or a lower --rate; a capture program: look whether its input runs"});
   if (status.damaged > 0)
     report.findings.push_back(
-        {State::ill, "damaged frames", fmt::format("{}", status.damaged),
+        {State::ill, "damaged frames",
+         fmt::format("{}{}", status.damaged, skipped.empty() ? "" : fmt::format(" ({})", skipped.front())),
          live ? "another cable, a port of its own; for GigE jumbo frames and larger receive buffers"
-              : "copy the film again, or record it anew"});
+              : "copy the file again, or record it anew"});
   if (status.outages > 0)
     report.findings.push_back({State::ill, "outages", fmt::format("{}, the last: {}", status.outages, status.reason),
                                "look at cable and power"});

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -37,6 +38,7 @@ class Images final : public FrameSource {
       const fs::path& file = files_[next_++];
       if (const char* problem = load(file, frame)) {
         skipped_.push_back(fmt::format("{}: {}", file.string(), problem));
+        left_out_.fetch_add(1, std::memory_order_relaxed);
         continue;
       }
       frame.index = frames_++;
@@ -53,6 +55,7 @@ class Images final : public FrameSource {
   TimeStamps stamps() const override { return TimeStamps::nominal; }
   bool stills() const override { return true; }
   std::span<const std::string> skipped() const override { return skipped_; }
+  SourceStatus status() const override { return {.damaged = left_out_.load(std::memory_order_relaxed)}; }
 
  private:
   /// Null, or what is wrong with the file.
@@ -85,6 +88,7 @@ class Images final : public FrameSource {
   std::string what_;
   std::size_t next_ = 0;
   std::int64_t frames_ = 0;
+  std::atomic<std::int64_t> left_out_ = 0;
   std::vector<std::string> skipped_;
   std::vector<std::uint8_t> bytes_;
   cv::Mat decoded_;
@@ -107,7 +111,9 @@ std::unique_ptr<FrameSource> open_images(const std::string& path, std::string& e
   } else if (fs::is_regular_file(path, code)) {
     files.emplace_back(path);
   } else {
-    error = fmt::format("{}: no such file or folder", path);
+    const bool other = fs::exists(path, code);
+    error = fmt::format("{}: {}", path,
+                        other ? "is a device or a FIFO, allowed: a file or a folder" : "no such file or folder");
     return nullptr;
   }
   return std::make_unique<Images>(std::move(files), "images " + path);

@@ -349,7 +349,8 @@ class Video final : public FrameSource {
 
 std::unique_ptr<FrameSource> open_video(const std::string& path, std::string& error) {
   if (std::error_code code; !std::filesystem::is_regular_file(path, code)) {
-    error = fmt::format("{}: no such file", path);
+    const bool other = std::filesystem::exists(path, code) && !std::filesystem::is_directory(path, code);
+    error = fmt::format("{}: {}", path, other ? "is a device or a FIFO, allowed: a file" : "no such file");
     return nullptr;
   }
   auto video = std::make_unique<Video>(path);

@@ -112,6 +112,23 @@ TEST(CameraDoctor, TheBusIsNamedWhereItIsTooNarrow) {
   EXPECT_EQ(usb_findings(root, "/dev/video7", 1280, 720, 20.0).at(0).state, State::note);
 }
 
+/// It said of twelve of them only that no frame came, and nothing of one among others.
+TEST(CameraDoctor, PicturesThatCannotBeReadAreNamed) {
+  const test::Folder folder;
+  const std::string junk = folder / "a.png";
+  std::ofstream(junk) << "no picture";
+  const auto none = examine_camera({.source = "images:" + folder.path});
+  ASSERT_FALSE(none);
+  EXPECT_NE(none.error().find(": no frame came (skipped " + junk + ": cannot be decoded)"), std::string::npos)
+      << none.error();
+  for (const char* name : {"b.pgm", "c.pgm", "d.pgm"})
+    std::ofstream(folder / name, std::ios::binary) << "P5\n64 48\n255\n" << std::string(64 * 48, 'x');
+  const auto some = examine_camera({.source = "images:" + folder.path});
+  ASSERT_TRUE(some) << some.error();
+  EXPECT_EQ(named(some->findings, "damaged frames").state, State::ill);
+  EXPECT_EQ(named(some->findings, "damaged frames").found, "1 (" + junk + ": cannot be decoded)");
+}
+
 TEST(CameraDoctor, TheSyntheticCameraIsWell) {
   const auto report = examine_camera({.source = "synthetic", .seconds = 1.0});
   ASSERT_TRUE(report) << report.error();

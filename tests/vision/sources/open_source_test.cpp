@@ -34,6 +34,8 @@ TEST(OpenSource, NamesWhatIsMissingOrUnfit) {
       {"images:/nowhere", "/nowhere: no such file or folder"},
       {"images:" + folder.path(), folder.path() + ": no picture (png, jpg, pgm, ppm, bmp, tif) in this folder"},
       {"video:/nowhere.mp4", "/nowhere.mp4: no such file"},
+      {"images:/dev/zero", "/dev/zero: is a device or a FIFO, allowed: a file or a folder"},
+      {"video:/dev/zero", "/dev/zero: is a device or a FIFO, allowed: a file"},
       {"video:" + folder.path(), folder.path() + ": no such file"},
       {"video:" + folder.file("text.mp4"),
        folder.file("text.mp4") + ": not a readable video: Invalid data found when processing input"},
@@ -113,6 +115,7 @@ TEST(Images, DamagedOnesAreSkippedAndReported) {
   EXPECT_EQ(skipped[0], folder.file("b.png") + ": cannot be decoded");
   EXPECT_EQ(skipped[1], folder.file("c.jpg") + ": is cut short");
   EXPECT_EQ(skipped[2], folder.file("d.pgm") + ": is empty");
+  EXPECT_EQ((*source)->status().damaged, 3) << "a run says so";
 }
 
 /// Such a file is left out like any other that is no picture; its bytes were read, and memory ended.
