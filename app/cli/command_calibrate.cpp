@@ -57,14 +57,7 @@ std::unique_ptr<vision::FrameSource> open(const std::string& name, const CameraW
 
 /// Why the calibration must not be written there: the source is read from it. Empty: it is not.
 std::string over_source(const std::string& out, const std::string& source) {
-  namespace fs = std::filesystem;
-  const auto address = vision::parse_source(source);
-  if (!address || address->live()) return {};
-  std::error_code ignored;
-  const fs::path file(out), folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
-  const bool a_picture =
-      file.extension() != ".toml" && fs::exists(file, ignored) && same_file(folder.string(), address->where);
-  if (!a_picture && !same_file(out, address->where)) return {};
+  if (!belongs_to_source(out, source)) return {};
   return fmt::format("{}: belongs to {}, allowed: another name for the calibration", out, source);
 }
 

@@ -113,8 +113,11 @@ int run(const RunRequest& request) {
   for (std::string& file : files_named_by(text, request.experiment.sets, *experiment))
     inputs.push_back(std::move(file));
   const auto is_input = [&](const std::string& path) {
-    if (std::none_of(inputs.begin(), inputs.end(), [&](const std::string& input) { return same_file(path, input); }))
-      return false;
+    bool read =
+        std::any_of(inputs.begin(), inputs.end(), [&](const std::string& input) { return same_file(path, input); });
+    for (std::size_t k = 0; k < experiment->cameras(); ++k)
+      read = read || belongs_to_source(path, experiment->camera_at(k).source);
+    if (!read) return false;
     complain(path + ": is a file that the run is read from, allowed: another file");
     return true;
   };

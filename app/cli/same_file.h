@@ -10,4 +10,8 @@ bool same_file(const std::string& a, const std::string& b);
 /// The same for files of which neither need be there yet.
 bool same_place(const std::string& a, const std::string& b);
 
+/// Whether a film or pictures ("video:FILE", "images:DIR") are read from this file; not if it is a calibration among
+/// the pictures, nor of a camera.
+bool belongs_to_source(const std::string& path, const std::string& source);
+
 }  // namespace skein::app
