@@ -181,7 +181,8 @@ void tick(benchmark::State& state) {
     input.now = run[k].now;
     input.measurements = measurements;
     if (k == 0) input.commands = {&start, 1};
-    benchmark::DoNotOptimize(control->step(input).V);
+    double V = control->step(input).V;
+    benchmark::DoNotOptimize(V);
     ++k;
   }
 }
