@@ -18,6 +18,7 @@ larger(a, b) = (a > b ? a : b)
 # to count its rows and for all robots at once: with 64 of them it has half a gigabyte in ten minutes. While robots drive to their starts t stands still: no part of the run.
 per_robot = 4
 stats data using (0) nooutput
+if (!exists("STATS_records")) exit error data.": cannot be read"
 rows = int(STATS_records)
 array value[larger(1, rows * n * per_robot)]
 at(i, row, k) = (row * n + i - 1) * per_robot + k

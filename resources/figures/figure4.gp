@@ -24,6 +24,7 @@ delta(i) = (i < n ? column(sprintf("delta_%d_%d", i, i + 1)) : 0)
 driven(i) = (strstrt(strcol(sprintf("r%d_mode", i)), "staging") == 0)
 per_robot = 5
 stats data using (0) nooutput
+if (!exists("STATS_records")) exit error data.": cannot be read"
 rows = int(STATS_records)
 array value[larger(1, rows * n * per_robot)]
 at(i, row, k) = (row * n + i - 1) * per_robot + k
