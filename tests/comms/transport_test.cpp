@@ -13,6 +13,7 @@
 #include <cerrno>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "comms/emulator/pty_emulator.h"
@@ -76,6 +77,23 @@ TEST(Transport, LetsNobodyElseOpenTheSameLine) {
   EXPECT_TRUE(Transport::open(serial(robots.device(0))));
 }
 
+/// A raw pseudo-terminal: `line` is the end that a link opens, `master` the robot's.
+struct Terminal {
+  Terminal() {
+    termios raw{};
+    ::cfmakeraw(&raw);
+    EXPECT_EQ(::openpty(&master, &line, nullptr, &raw, nullptr), 0);
+  }
+  ~Terminal() {
+    ::close(line);
+    hang_up();
+  }
+  void hang_up() {
+    if (master >= 0) ::close(std::exchange(master, -1));
+  }
+  int master = -1, line = -1;
+};
+
 bool drive_at(int priority) {
   sched_param wanted{};
   wanted.sched_priority = priority;
@@ -84,11 +102,8 @@ bool drive_at(int priority) {
 
 /// Other programs have every processor, so that the kernel's thread that passes on what terminals receive gets no time.
 TEST(Transport, ATerminalHoldsUpNobodyOnABusyMachine) {
-  termios raw{};
-  ::cfmakeraw(&raw);
-  int master = -1, line = -1;
-  ASSERT_EQ(::openpty(&master, &line, nullptr, &raw, nullptr), 0);
-  auto transport = Transport::open(serial(::ttyname(line)));
+  Terminal terminal;
+  auto transport = Transport::open(serial(::ttyname(terminal.line)));
   ASSERT_TRUE(transport) << transport.error().reason;
   constexpr double busy_for = 0.6, patience = 0.02;  // [s]
   double longest = 0.0;
@@ -107,7 +122,7 @@ TEST(Transport, ATerminalHoldsUpNobodyOnABusyMachine) {
         while (seconds() < until) continue;
       });
     while (seconds() < until) {
-      EXPECT_EQ(::write(master, "12345678", 8), 8);
+      EXPECT_EQ(::write(terminal.master, "12345678", 8), 8);
       const double since = seconds();
       pollfd wanted = transport->wanted(false);
       std::array<std::uint8_t, 64> bytes{};
@@ -116,22 +131,17 @@ TEST(Transport, ATerminalHoldsUpNobodyOnABusyMachine) {
       longest = std::max(longest, seconds() - since);
     }
   }).join();
-  ::close(line);
-  ::close(master);
   if (!granted) GTEST_SKIP() << "the system grants no real-time priority";
   EXPECT_LT(longest, 0.2) << "s";
 }
 
 /// More than it reads in a turn is not forgotten.
 TEST(Transport, ATerminalTellsOfInputUntilAllIsRead) {
-  termios raw{};
-  ::cfmakeraw(&raw);
-  int master = -1, line = -1;
-  ASSERT_EQ(::openpty(&master, &line, nullptr, &raw, nullptr), 0);
-  auto transport = Transport::open(serial(::ttyname(line)));
+  Terminal terminal;
+  auto transport = Transport::open(serial(::ttyname(terminal.line)));
   ASSERT_TRUE(transport) << transport.error().reason;
   const std::string said(100, 'x');
-  ASSERT_EQ(::write(master, said.data(), said.size()), 100);
+  ASSERT_EQ(::write(terminal.master, said.data(), said.size()), 100);
   std::array<std::uint8_t, 30> bytes{};
   std::size_t heard = 0;
   while (heard < said.size()) {
@@ -141,11 +151,10 @@ TEST(Transport, ATerminalTellsOfInputUntilAllIsRead) {
     ASSERT_TRUE(count) << count.error().reason;
     heard += *count;
   }
-  ::close(master);
+  terminal.hang_up();
   pollfd wanted = transport->wanted(false);
   ASSERT_EQ(::poll(&wanted, 1, 30'000), 1);
   EXPECT_FALSE(transport->read(bytes)) << "it has hung up";
-  ::close(line);
 }
 
 TEST(Transport, BluetoothWithoutAnAdapterIsASentence) {
