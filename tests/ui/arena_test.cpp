@@ -787,8 +787,11 @@ TEST_F(Arena, HasThePlotsBesideItInAWindowThatWasNarrowTheLastTime) {
 TEST_F(Arena, OfASmallWindowIsWiderThanThePanelsBesideIt) {
   start();
   const int plots = find("plots_dock")->width();
+  find("results_dock")->raise();  // a tab that is behind another one
   window.resize(800, 600);
   EXPECT_TRUE(eventually([&] { return window.width() == 800 && arena().width() >= 480; })) << arena().width();
+  EXPECT_TRUE(eventually([&] { return find("results_dock")->width() >= 240; })) << "the results cannot be read";
+  find("log_dock")->raise();
   EXPECT_TRUE(eventually([&] { return find("log_dock")->width() >= 240; })) << "the events cannot be read";
   EXPECT_FALSE(find("gains_dock")->visibleRegion().isEmpty());
   find<QAction>("go_to_plots")->trigger();

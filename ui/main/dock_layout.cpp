@@ -105,13 +105,21 @@ bool DockLayout::columns_fit_screen() const {
   return columns_width() + arena <= window_->screen()->availableGeometry().width();
 }
 
+/// Of the tabs that the dock is one of, the one in front: Qt 6.8 does not size those behind it.
+QDockWidget* DockLayout::front(QDockWidget* dock) const {
+  const QList<QDockWidget*> others = window_->tabifiedDockWidgets(dock);
+  const auto seen = [](const QDockWidget* other) { return !other->visibleRegion().isEmpty(); };
+  const auto found = std::find_if(others.begin(), others.end(), seen);
+  return found == others.end() ? dock : *found;
+}
+
 void DockLayout::fit() {
   stack_columns();
   const double x = std::min(1.0, static_cast<double>(window_->width()) / sized_in_.width());
   const double y = std::min(1.0, static_cast<double>(window_->height()) / sized_in_.height());
   const auto wide = [&](QDockWidget* dock) { return static_cast<int>(x * sizes_.at(dock).width()); };
-  window_->resizeDocks({gains_, plots_}, {wide(gains_), wide(plots_)}, Qt::Horizontal);
-  window_->resizeDocks({robots_, events_}, {wide(robots_), wide(events_)}, Qt::Horizontal);
+  window_->resizeDocks({front(gains_), front(plots_)}, {wide(gains_), wide(plots_)}, Qt::Horizontal);
+  window_->resizeDocks({robots_, front(events_)}, {wide(robots_), wide(events_)}, Qt::Horizontal);
   window_->resizeDocks({robots_}, {static_cast<int>(y * sizes_.at(robots_).height())}, Qt::Vertical);
   settled_ = window_->size();
 }

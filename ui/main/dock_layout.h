@@ -43,6 +43,7 @@ class DockLayout final : public QObject {
  private:
   std::array<QDockWidget*, 5> all() const { return {gains_, plots_, robots_, events_, results_}; }
   QDockWidget* dock(QWidget* panel, const QString& title, const QString& name, Qt::DockWidgetArea area);
+  QDockWidget* front(QDockWidget* dock) const;
   void fit();
   /// In a narrow window, puts the plots in a tab behind the gains, if both are at their usual places: the arena gets
   /// the room.

@@ -57,7 +57,7 @@ TEST_F(KnownRobotsCommands, NothingIsSavedInAnExperimentThatComesWithSkein) {
 TEST_F(KnownRobotsCommands, NothingIsLostOfWhatTwoProgramsSaveAtTheSameTime) {
   constexpr int rounds = 100;
   const auto program = [&](std::size_t number) {
-    std::freopen("/dev/null", "w", stdout);
+    if (!std::freopen("/dev/null", "w", stdout)) return 3;
     for (int round = 1; round <= rounds; ++round) {
       FoundRobot found;
       found.spec.name = found.name = number == 0 ? "anna" : "bert";
