@@ -106,12 +106,12 @@ QVariant EventModel::headerData(int section, Qt::Orientation orientation, int ro
 
 void EventFilter::set_least(Severity least) {
   least_ = least;
-  invalidateFilter();
+  invalidate();
 }
 
 void EventFilter::set_words(const QString& words) {
   words_ = words.trimmed();
-  invalidateFilter();
+  invalidate();
 }
 
 bool EventFilter::filterAcceptsRow(int row, const QModelIndex& parent) const {
