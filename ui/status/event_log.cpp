@@ -105,14 +105,33 @@ QVariant EventModel::headerData(int section, Qt::Orientation orientation, int ro
 }
 
 void EventFilter::set_least(Severity least) {
+  begin_change();
   least_ = least;
-  invalidate();
+  end_change();
 }
 
 void EventFilter::set_words(const QString& words) {
+  begin_change();
   words_ = words.trimmed();
-  invalidate();
+  end_change();
 }
+
+// Qt 6.10 deprecates the only way that older versions have.
+#if QT_VERSION >= QT_VERSION_CHECK(6, 10, 0)
+void EventFilter::begin_change() {
+  beginFilterChange();
+}
+
+void EventFilter::end_change() {
+  endFilterChange(Direction::Rows);
+}
+#else
+void EventFilter::begin_change() {}
+
+void EventFilter::end_change() {
+  invalidateRowsFilter();
+}
+#endif
 
 bool EventFilter::filterAcceptsRow(int row, const QModelIndex& parent) const {
   const QModelIndex line = sourceModel()->index(row, EventModel::event, parent);

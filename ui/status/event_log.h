@@ -58,6 +58,9 @@ class EventFilter final : public QSortFilterProxyModel {
   bool filterAcceptsRow(int row, const QModelIndex& parent) const override;
 
  private:
+  void begin_change();
+  void end_change();
+
   Severity least_ = Severity::note;
   QString words_;
 };
