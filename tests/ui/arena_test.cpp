@@ -684,7 +684,7 @@ TEST(ArenaCrowd, ANumberLiesOverTheBodyAndTheBadgeOfANeighbour) {
         ++written;
         kept += both.pixelColor(at) == ink ? 1 : 0;
       }
-    EXPECT_GE(written, 8) << i + 1;
+    EXPECT_GE(written, 4) << i + 1;  // where fonts are smoothed more, few pixels are all ink
     EXPECT_EQ(kept, written) << i + 1;
   }
 }

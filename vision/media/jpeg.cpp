@@ -5,8 +5,9 @@
 #include <cstddef>
 #include <cstdio>
 
-#include <jerror.h>
 #include <jpeglib.h>
+
+#include <jerror.h>  // after jpeglib.h, whose version its numbers depend on
 
 namespace skein::vision::media {
 namespace {
