@@ -132,7 +132,7 @@ skein_debian(skein-bench science "benchmarks of Skein on this machine"
 set(CPACK_DEBIAN_SKEIN-BENCH_PACKAGE_SHLIBDEPS ON)
 skein_debian(skein-dev libdevel "coordination of unicycle robots as a C++ library"
   "The science of Skein for other programs: references, the coordinated law,\navoidance, shield, planning, estimation and simulation of unicycle robots,\nas pure functions. A static library, its headers, and a package for CMake:\nfind_package(skein) gives skein::core."
-  DEPENDS "libeigen3-dev (>= 3.4)")
+  DEPENDS "libeigen3-dev (>= 3.4), libsleef-dev")
 skein_debian(skein-permissions admin "real-time priority and devices for users of Skein"
   "Makes the group skein, lets its members use real-time priority up to 25\n(/etc/security/limits.d/60-skein.conf), gives whoever sits at the machine its\nBluetooth serial lines and e-pucks on USB, and keeps ModemManager away from\nthem (udev rules). Programs may ask the kernel for larger receive buffers, for\nGigE cameras (sysctl net.core.rmem_max). It adds nobody to the group."
   DEPENDS "adduser, udev" RECOMMENDS procps ARCHITECTURE all)

@@ -1,6 +1,7 @@
 #include "ui/window.h"
 
 #include <QApplication>
+#include <QProxyStyle>
 #include <QSettings>
 #include <QStyleFactory>
 #include <QThread>
@@ -38,16 +39,29 @@ void message_at_start(QtMsgType type, const QMessageLogContext& context, const Q
   std::_Exit(app::wrong_input);
 }
 
-/// Where the connection is Wayland's, Qt ends the program at once, without `std::atexit`: whichever of its threads
-/// notices first, after a message.
+/// Where the connection is Wayland's, or Qt is 6.10, Qt ends the program at once, without `std::atexit`: whichever of
+/// its threads notices first, after a message.
 void message_while_open(QtMsgType type, const QMessageLogContext& context, const QString& text) {
   usual_messages(type, context, text);
-  if (!open_window || !text.startsWith(QLatin1String("The Wayland connection "))) return;
+  const bool gone = text.startsWith(QLatin1String("The Wayland connection ")) ||
+                    text.startsWith(QLatin1String("The X11 connection "));
+  if (!open_window || !gone) return;
   if (QThread::currentThread() == open_window->thread()) return stop_robots_at_exit();
   constexpr unsigned long patience = 10;  // [s]: afterwards the guard stops the robots
   QMetaObject::invokeMethod(open_window, stop_robots_at_exit, Qt::QueuedConnection);
   QThread::sleep(patience);
 }
+
+/// Fusion, without animations: Qt 6.10 crashes when a panel vanishes while the layout of docks is animated.
+class StillStyle final : public QProxyStyle {
+ public:
+  StillStyle() : QProxyStyle(QStyleFactory::create(QStringLiteral("Fusion"))) {}
+  int styleHint(StyleHint hint, const QStyleOption* option, const QWidget* widget,
+                QStyleHintReturn* returned) const override {
+    if (hint == SH_Widget_Animation_Duration) return 0;
+    return QProxyStyle::styleHint(hint, option, widget, returned);
+  }
+};
 
 /// A Wayland client cannot place its windows, so that a dialog may open over the STOP button: where a Wayland session
 /// offers XWayland, the window uses that, unless the user chose otherwise.
@@ -62,7 +76,7 @@ void prepare(QApplication& application) {
   QApplication::setOrganizationName(QStringLiteral("skein"));
   QApplication::setApplicationName(QStringLiteral("skein"));
   QApplication::setApplicationDisplayName(QStringLiteral("Skein"));
-  QApplication::setStyle(QStyleFactory::create(QStringLiteral("Fusion")));
+  QApplication::setStyle(new StillStyle);
   QApplication::setWindowIcon(program_icon());
   constexpr double smallest = 9.0;  // [pt]: read from an arm's length
   QFont font = QApplication::font();

@@ -18,6 +18,7 @@
 #include "app/session/experiment_cameras.h"
 #include "app/session/last_sights.h"
 #include "app/tick/control_tick.h"
+#include "core/math/elementary.h"
 #include "core/simulation/simulated_robot.h"
 #include "vision/synthetic/synthetic_camera.h"
 #include "vision/tracker/tracker.h"
@@ -182,10 +183,11 @@ std::vector<double> frames_to_poses(bool shared) {
       for (std::size_t i = 0; i < tags; ++i) {
         const double heading = static_cast<double>(i), way = 0.004 * static_cast<double>(k);
         const std::size_t column = i % 8, row = i / 8;
-        seen.push_back({static_cast<int>(i),
-                        {0.36 * (static_cast<double>(column) - 3.5) + way * std::cos(heading),
-                         0.27 * (static_cast<double>(row) - 3.5) + way * std::sin(heading), core::wrap_angle(heading)},
-                        calibration.tag_size});
+        seen.push_back(
+            {static_cast<int>(i),
+             {0.36 * (static_cast<double>(column) - 3.5) + way * core::math::cos(heading),
+              0.27 * (static_cast<double>(row) - 3.5) + way * core::math::sin(heading), core::wrap_angle(heading)},
+             calibration.tag_size});
       }
       camera.render(seen, 0.0, films[c][k]);
     }

@@ -13,6 +13,7 @@
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
 #include "core/geometry/pose.h"
+#include "core/math/elementary.h"
 #include "vision/calibrate/joint_calibration.h"
 
 namespace skein::app {
@@ -45,8 +46,8 @@ class Eye {
     constexpr double margin = 30.0, sigma_px = 0.03, sigma_theta = 5e-4, ahead = 0.01;  // [px, px, rad, m]
     const Eigen::Vector2d noise(sigma_px * normal_(random_), sigma_px * normal_(random_));
     const auto place = [&](double way) -> std::optional<Eigen::Vector2d> {
-      const auto pixel = pixel_from_world(
-          truth_, {pose.x + way * std::cos(pose.theta), pose.y + way * std::sin(pose.theta), truth_.tag_height});
+      const auto pixel = pixel_from_world(truth_, {pose.x + way * core::math::cos(pose.theta),
+                                                   pose.y + way * core::math::sin(pose.theta), truth_.tag_height});
       if (!pixel || pixel->x() < margin || pixel->y() < margin || pixel->x() > truth_.width - margin ||
           pixel->y() > truth_.height - margin)
         return {};
@@ -55,7 +56,7 @@ class Eye {
     const auto at = place(0.0), front = place(ahead);
     if (!at || !front) return {};
     return core::Pose{at->x(), at->y(),
-                      std::atan2(front->y() - at->y(), front->x() - at->x()) + sigma_theta * normal_(random_)};
+                      core::math::atan2(front->y() - at->y(), front->x() - at->x()) + sigma_theta * normal_(random_)};
   }
 
  private:
@@ -92,8 +93,8 @@ std::vector<std::vector<vision::TagPose>> film(const std::vector<Calibration>& t
     for (int k = 0; k < 750; ++k)
       for (int robot = 0; robot < 3; ++robot) {
         const double t = 0.04 * k + 0.017 * static_cast<double>(camera), angle = speed / radius * t + robot;
-        const auto pose =
-            eye.see({radius * std::cos(angle), 0.4 * (robot - 1) + radius * std::sin(angle), angle + 0.5 * core::pi});
+        const auto pose = eye.see({radius * core::math::cos(angle), 0.4 * (robot - 1) + radius * core::math::sin(angle),
+                                   angle + 0.5 * core::pi});
         if (pose) sights[camera].push_back({.tag = robot + 1, .pose = *pose, .captured_at = t});
       }
   }

@@ -12,6 +12,7 @@
 #include "app/run/output.h"
 #include "app/session/session.h"
 #include "app/tools/camera_latency.h"
+#include "core/math/elementary.h"
 
 namespace skein::app {
 namespace {
@@ -45,8 +46,8 @@ class Ahead final : public RecordSink {
   void record(const TickRecord& row) override {
     const RobotRecord& robot = row.robots.front();
     if (row.t < 2.0) return;
-    sum_ += (robot.truth.x - robot.pose.x) * std::cos(robot.truth.theta) +
-            (robot.truth.y - robot.pose.y) * std::sin(robot.truth.theta);
+    sum_ += (robot.truth.x - robot.pose.x) * core::math::cos(robot.truth.theta) +
+            (robot.truth.y - robot.pose.y) * core::math::sin(robot.truth.theta);
     ++rows_;
   }
   double mean() const { return rows_ > 0 ? sum_ / rows_ : none; }

@@ -15,6 +15,7 @@
 #include "app/tick/control_tick.h"
 #include "app/tools/sweep.h"
 #include "core/control/coordination_law.h"
+#include "core/math/elementary.h"
 
 namespace skein::app {
 namespace {
@@ -133,7 +134,8 @@ double needed_aside(const Experiment& e) {
   const core::Obstacle& obstacle = e.obstacles.front();
   double beside = INFINITY;
   for (const std::vector<core::Pose>& line : make_reference(e)->lines())
-    for (const core::Pose& at : line) beside = std::min(beside, std::hypot(at.x - obstacle.x, at.y - obstacle.y));
+    for (const core::Pose& at : line)
+      beside = std::min(beside, core::math::hypot(at.x - obstacle.x, at.y - obstacle.y));
   return std::max(0.0, obstacle.radius + e.shield.distance - core::standard_radius - beside);
 }
 

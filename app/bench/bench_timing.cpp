@@ -12,6 +12,7 @@
 #include "app/run/interrupted.h"
 #include "app/run/output.h"
 #include "app/session/session.h"
+#include "core/math/elementary.h"
 
 namespace skein::app {
 namespace {
@@ -66,11 +67,11 @@ TimingRatio timing_ratio(std::span<const Timing> runs, double share, std::uint64
 
 TimingRatio mean_timing_ratio(std::span<const Timing> runs, double share, std::uint64_t seed) {
   std::vector<double> logs;
-  for (const Timing& run : runs) logs.push_back(std::log(ratio_of(run.tick, run.bare, share)));
+  for (const Timing& run : runs) logs.push_back(core::math::log(ratio_of(run.tick, run.bare, share)));
   return bootstrap(runs.size(), seed, [&](auto&& run_of) {
     double sum = 0.0;
     for (std::size_t k = 0; k < logs.size(); ++k) sum += logs[run_of(k)];
-    return std::exp(sum / static_cast<double>(logs.size()));
+    return core::math::exp(sum / static_cast<double>(logs.size()));
   });
 }
 

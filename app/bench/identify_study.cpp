@@ -23,6 +23,7 @@
 #include "core/estimation/statistics.h"
 #include "core/kinematics/step_rate.h"
 #include "core/kinematics/unicycle.h"
+#include "core/math/elementary.h"
 #include "core/safety/limits.h"
 #include "core/simulation/individual_robot.h"
 #include "core/words.h"
@@ -110,7 +111,7 @@ core::DifferentialDrive umbmark_estimate(const core::IdentificationInput& input,
   // Where a square ended, as seen less as reckoned, in the frame of its start.
   const auto error_of = [&](double from, double to) {
     const core::SeenPose a = seen_at(from), b = seen_at(to);
-    const double c = std::cos(a.pose.theta), s = std::sin(a.pose.theta);
+    const double c = core::math::cos(a.pose.theta), s = core::math::sin(a.pose.theta);
     const double x = b.pose.x - a.pose.x, y = b.pose.y - a.pose.y;
     const core::Pose reckoned = odometry(input.believed, input.wheels, a.t, b.t);
     return core::Pose{c * x + s * y - reckoned.x, -s * x + c * y - reckoned.y, 0.0};
@@ -122,7 +123,7 @@ core::DifferentialDrive umbmark_estimate(const core::IdentificationInput& input,
   const double alpha = 0.5 * (sum + difference), beta = 0.5 * (sum - difference);
   core::DifferentialDrive found = input.believed;
   found.track *= 0.5 * core::pi / (0.5 * core::pi + alpha);
-  const double radius = 0.5 * side / std::sin(0.5 * beta);  // of the bend
+  const double radius = 0.5 * side / core::math::sin(0.5 * beta);  // of the bend
   found.wheel_ratio *= (radius + 0.5 * found.track) / (radius - 0.5 * found.track);
   return found;
 }
@@ -161,11 +162,11 @@ double drift(const core::DifferentialDrive& believed, const core::DifferentialDr
   constexpr double seconds = 60.0, v = 0.05;
   core::Pose wanted, pose;
   for (int k = 0; k * frame_period < seconds; ++k) {
-    const core::Twist twist{v, 0.6 * std::sin(2.0 * core::pi * k * frame_period / 20.0)};  // bends to both sides
+    const core::Twist twist{v, 0.6 * core::math::sin(2.0 * core::pi * k * frame_period / 20.0)};  // bends to both sides
     wanted = core::advance(wanted, twist, frame_period);
     pose = core::advance(pose, really.twist(believed.wheels(twist)), frame_period);
   }
-  return std::hypot(pose.x - wanted.x, pose.y - wanted.y);
+  return core::math::hypot(pose.x - wanted.x, pose.y - wanted.y);
 }
 
 struct Outcome {
@@ -258,8 +259,8 @@ bool print(const Manoeuvre& manoeuvre, const IdentifyBench& bench, const std::ve
       const core::DifferentialDrive truth = core::random_individual(bench.seed + k).wheels;
       const core::DifferentialDrive found = drive_of(outcomes[k]);
       drifts.push_back(drift(found, truth));
-      ratio += std::pow(found.wheel_ratio / truth.wheel_ratio - 1.0, 2);
-      track += std::pow(found.track / truth.track - 1.0, 2);
+      ratio += core::math::pow(found.wheel_ratio / truth.wheel_ratio - 1.0, 2);
+      track += core::math::pow(found.track / truth.track - 1.0, 2);
     }
     const auto all = static_cast<double>(outcomes.size());
     fmt::print("rms_error_{}: wheel_ratio {:.3f} %, track {:.3f} %; drift_60_s {:.1f} mm (median)\n", name,

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/geometry/pose.h"
+#include "core/math/elementary.h"
 #include "core/simulation/random.h"
 
 namespace skein::app {
@@ -23,7 +24,7 @@ Vector2d at(const core::Pose& pose) {
   return {pose.x, pose.y};
 }
 Vector2d ahead(const core::Pose& pose) {
-  return {std::cos(pose.theta), std::sin(pose.theta)};
+  return {core::math::cos(pose.theta), core::math::sin(pose.theta)};
 }
 
 /// How NH-ORCA drives a turn: at once as far as it can, on an arc that ends nearest to the straight line.
@@ -37,11 +38,11 @@ NhTurn nh_turn(const core::CommandLimits& limits, double angle, double speed) {
   NhTurn turn;
   turn.omega = std::clamp(angle / turns_within, -limits.omega_limit(), limits.omega_limit());
   const double half = 0.5 * angle, lasts = std::abs(angle) < 1e-9 ? turns_within : angle / turn.omega;
-  const double best = std::abs(half) < 1e-6 ? speed : speed * half / std::tan(half);
+  const double best = std::abs(half) < 1e-6 ? speed : speed * half / core::math::tan(half);
   turn.v = std::clamp(best, 0.0, limits.v_limit(turn.omega));
-  const double along = std::abs(angle) < 1e-6 ? 1.0 : std::sin(angle) / angle;
-  const double across = std::abs(angle) < 1e-6 ? 0.0 : (1.0 - std::cos(angle)) / angle;
-  turn.error = lasts * std::hypot(speed - turn.v * along, turn.v * across);
+  const double along = std::abs(angle) < 1e-6 ? 1.0 : core::math::sin(angle) / angle;
+  const double across = std::abs(angle) < 1e-6 ? 0.0 : (1.0 - core::math::cos(angle)) / angle;
+  turn.error = lasts * core::math::hypot(speed - turn.v * along, turn.v * across);
   return turn;
 }
 
@@ -62,7 +63,8 @@ class NhOrca final : public SwapMethod {
       constrain(i, poses, dt);
       const Vector2d chosen = choose(i, poses[i], wanted(poses[i], places[i]));
       const double speed = chosen.norm();
-      const double angle = speed < 1e-4 ? 0.0 : core::wrap_angle(std::atan2(chosen.y(), chosen.x()) - poses[i].theta);
+      const double angle =
+          speed < 1e-4 ? 0.0 : core::wrap_angle(core::math::atan2(chosen.y(), chosen.x()) - poses[i].theta);
       const NhTurn turn = nh_turn(limits_, angle, speed);
       commands[i] = {turn.v, turn.omega};
     }
@@ -98,7 +100,7 @@ class NhOrca final : public SwapMethod {
       const Vector2d w = relative - inverse * to;
       Line line;
       Vector2d change;
-      if (!apart || (w.dot(to) < 0.0 && std::pow(w.dot(to), 2) > radius * radius * w.squaredNorm())) {
+      if (!apart || (w.dot(to) < 0.0 && core::math::pow(w.dot(to), 2) > radius * radius * w.squaredNorm())) {
         const Vector2d unit = w.norm() > 1e-12 ? Vector2d(w.normalized()) : Vector2d(-to.normalized());
         line.direction = {unit.y(), -unit.x()};
         change = (radius * inverse - w.norm()) * unit;
@@ -138,7 +140,7 @@ class NhOrca final : public SwapMethod {
     const auto follows = [&](const Vector2d& v) {
       const double speed = v.norm();
       if (speed > limits_.v_max + 1e-9) return false;
-      const double angle = speed < 1e-6 ? 0.0 : core::wrap_angle(std::atan2(v.y(), v.x()) - pose.theta);
+      const double angle = speed < 1e-6 ? 0.0 : core::wrap_angle(core::math::atan2(v.y(), v.x()) - pose.theta);
       return nh_turn(limits_, angle, speed).error <= errors_[i];
     };
     const auto consider = [&](const Vector2d& v) {
@@ -166,7 +168,7 @@ class NhOrca final : public SwapMethod {
         }
       else
         low = high;
-      const Vector2d direction(std::cos(pose.theta + angle), std::sin(pose.theta + angle));
+      const Vector2d direction(core::math::cos(pose.theta + angle), core::math::sin(pose.theta + angle));
       for (int s = 1; s <= speeds; ++s) judge(low * s / speeds * direction);
     }
     return best;

@@ -20,6 +20,7 @@
 #include "app/run/output.h"
 #include "app/run/terminal_text.h"
 #include "app/tools/board_views.h"
+#include "core/math/elementary.h"
 #include "vision/calibrate/floor_calibration.h"
 #include "vision/calibrate/intrinsics.h"
 #include "vision/sheets/sheet.h"
@@ -138,14 +139,14 @@ std::optional<Looked> look(const FloorRequest& request, bool need_world, int& st
 void print_residuals(const vision::FloorCheck& check) {
   for (const vision::FloorResidual& r : check.residuals)
     fmt::print("{}: x {:.3f} y {:.3f} m, off by {:.2f} mm (x {:+.2f}, y {:+.2f})\n", shown(r.mark->name), r.mark->x,
-               r.mark->y, mm(std::hypot(r.dx, r.dy)), mm(r.dx), mm(r.dy));
+               r.mark->y, mm(core::math::hypot(r.dx, r.dy)), mm(r.dx), mm(r.dy));
   fmt::print("marks: {}\nrms_mm: {:.3f}\nworst_mm: {:.3f}\n", check.residuals.size(), mm(check.rms), mm(check.worst));
 }
 
 void print_shift(const vision::PoseShift& shift) {
   for (const vision::PoseShift::Place& place : shift.places)
     fmt::print("pose at x {:.3f} y {:.3f} m ({}): moves by {:.2f} mm (x {:+.2f}, y {:+.2f})\n", place.x, place.y,
-               shown(place.name), mm(std::hypot(place.dx, place.dy)), mm(place.dx), mm(place.dy));
+               shown(place.name), mm(core::math::hypot(place.dx, place.dy)), mm(place.dx), mm(place.dy));
   fmt::print("poses_move_mm: {:.3f}\n", mm(shift.rms));
 }
 

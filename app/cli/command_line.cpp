@@ -186,13 +186,15 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   check_command.add_flag("--controller", check_law,
                          "also run it with simulated robots, and report whether the law keeps its deadline and its "
                          "limits, and how often the shield acts");
-  check_command.add_flag_callback(
-      "--schema",
-      [] {
-        print_out(experiment_schema(), reader_patience);
-        throw CLI::Success();
-      },
-      "print a JSON schema of experiment files instead, for editors that complete and check TOML");
+  check_command
+      .add_flag_callback(
+          "--schema",
+          [] {
+            print_out(experiment_schema(), reader_patience);
+            throw CLI::Success();
+          },
+          "print a JSON schema of experiment files instead, for editors that complete and check TOML")
+      ->trigger_on_parse();  // before CLI11 asks for the experiment
 
   CLI::App& doctor_command = *program.add_subcommand("doctor",
                                                      "Checks everything that a good run needs on this machine, one "

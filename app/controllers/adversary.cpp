@@ -15,6 +15,7 @@
 #include "app/controllers/skein_controller.h"
 #include "app/run/exit_status.h"
 #include "core/geometry/pose.h"
+#include "core/math/elementary.h"
 #include "core/simulation/random.h"
 #include "core/words.h"
 
@@ -26,7 +27,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Full speed at a point, backwards where that is nearer, whatever stands in the way.
 skein_command charge(const skein_robot& robot, double x, double y) {
-  const double bearing = core::wrap_angle(std::atan2(y - robot.y, x - robot.x) - robot.theta);
+  const double bearing = core::wrap_angle(core::math::atan2(y - robot.y, x - robot.x) - robot.theta);
   const bool ahead = std::abs(bearing) < 0.5 * core::pi;
   const double turn = ahead ? bearing : core::wrap_angle(bearing + core::pi);
   return {(ahead ? 1.0 : -1.0) * robot.v_max, std::clamp(8.0 * turn, -robot.omega_max, robot.omega_max)};
@@ -83,7 +84,7 @@ class Worst {
           const skein_obstacle* nearest = nullptr;
           double distance = infinity;
           for (std::uint32_t k = 0; k < memory_.obstacles; ++k)
-            if (const double d = std::hypot(memory_.obstacle[k].x - robot.x, memory_.obstacle[k].y - robot.y);
+            if (const double d = core::math::hypot(memory_.obstacle[k].x - robot.x, memory_.obstacle[k].y - robot.y);
                 d < distance)
               nearest = &memory_.obstacle[k], distance = d;
           return nearest ? charge(robot, nearest->x, nearest->y) : charge_at_nearest(robot, i);
@@ -140,7 +141,7 @@ class Worst {
     const skein_robot* nearest = nullptr;
     double distance = infinity;
     for (std::uint32_t j = 0; j < memory_.robots; ++j)
-      if (const double d = std::hypot(memory_.robot[j].x - robot.x, memory_.robot[j].y - robot.y);
+      if (const double d = core::math::hypot(memory_.robot[j].x - robot.x, memory_.robot[j].y - robot.y);
           j != own && d < distance)
         nearest = &memory_.robot[j], distance = d;
     return nearest ? charge(robot, nearest->x, nearest->y) : skein_command{robot.v_max, 0.0};

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "app/experiment/toml_places.h"
+#include "core/math/elementary.h"
 #include "vision/diagnosis/camera_examination.h"
 #include "vision/diagnosis/repeat_watch.h"
 #include "vision/sources/open_source.h"
@@ -51,7 +52,8 @@ class RenderedCamera final : public vision::FrameSource {
     std::array<vision::SyntheticTag, 4> tags;
     for (int i = 0; i < 4; ++i) {
       const double angle = 1.5708 * i + turning * t;
-      tags[static_cast<std::size_t>(i)] = {i + 1, {radius * std::cos(angle), radius * std::sin(angle), angle}};
+      tags[static_cast<std::size_t>(i)] = {i + 1,
+                                           {radius * core::math::cos(angle), radius * core::math::sin(angle), angle}};
     }
     camera_.render(tags, t, frame);
     return true;

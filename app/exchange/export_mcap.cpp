@@ -9,6 +9,7 @@
 #include "app/exchange/mcap_writer.h"
 #include "app/exchange/run_exporter.h"
 #include "app/record/csv_columns.h"
+#include "core/math/elementary.h"
 
 namespace skein::app {
 namespace {
@@ -108,7 +109,7 @@ class McapExporter final : public RunExporter {
       json_ += fmt::format(
           R"({{"timestamp":{},"parent_frame_id":"world","child_frame_id":"r{}","translation":{{"x":{},"y":{},"z":0}},)"
           R"("rotation":{{"x":0,"y":0,"z":{},"w":{}}}}},)",
-          stamp(time), i + 1, pose.x, pose.y, std::sin(0.5 * pose.theta), std::cos(0.5 * pose.theta));
+          stamp(time), i + 1, pose.x, pose.y, core::math::sin(0.5 * pose.theta), core::math::cos(0.5 * pose.theta));
     }
     if (json_.back() == ',') json_.pop_back();
     mcap_.message(frames_, time, json_ + "]}");

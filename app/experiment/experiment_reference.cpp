@@ -13,6 +13,7 @@
 #include "app/experiment/longest.h"
 #include "app/experiment/ways.h"
 #include "app/run/number_text.h"
+#include "core/math/elementary.h"
 #include "core/planning/assignment.h"
 
 namespace skein::app {
@@ -238,7 +239,8 @@ class Rooms {
 
 /// Says that robots i and j come too close.
 void refuse_meeting(const Experiment& e, const Offset& at, double more_room, Problems& problems) {
-  const double wide = core::standard_radius + core::standard_radius + more_room, nearest = std::hypot(at.dx, at.dy);
+  const double wide = core::standard_radius + core::standard_radius + more_room,
+               nearest = core::math::hypot(at.dx, at.dy);
   if (e.reference.kind == Kind::platoon)
     problems.add(
         at.spacing == e.reference.spacing ? "reference.spacing" : "reference.change",
@@ -269,7 +271,7 @@ void check_spacing(const Experiment& e, const core::Reference& reference, Proble
   Offset closest{};
   const Rooms rooms(e);
   for_each_offset(e, reference, [&](const Offset& offset) {
-    if (const double d = std::hypot(offset.dx, offset.dy) - rooms.more(offset); d < nearest)
+    if (const double d = core::math::hypot(offset.dx, offset.dy) - rooms.more(offset); d < nearest)
       nearest = d, closest = offset;
     level = std::min(level, rooms.level(offset));
   });
@@ -277,7 +279,7 @@ void check_spacing(const Experiment& e, const core::Reference& reference, Proble
     return refuse_meeting(e, closest, rooms.more(closest), problems);
   const char* where = e.reference.may_meet ? "where they begin or come to rest" : "of the formation";
   if (e.avoidance.enabled && e.avoidance.kind == core::AvoidanceKind::field && level <= 1.0) {
-    const double fits = std::pow(level, 1.0 / e.avoidance.p);
+    const double fits = core::math::pow(level, 1.0 / e.avoidance.p);
     problems.add(
         e.avoidance.alpha >= e.avoidance.beta ? "avoidance.alpha" : "avoidance.beta",
         fmt::format(
@@ -326,7 +328,7 @@ void check_starts(const Experiment& e, const core::Reference& reference, Problem
     }
     for (std::size_t k = 0; k < e.obstacles.size(); ++k) {
       const core::Obstacle& o = e.obstacles[k];
-      const double touching = radius + o.radius, distance = std::hypot(pose.x - o.x, pose.y - o.y);
+      const double touching = radius + o.radius, distance = core::math::hypot(pose.x - o.x, pose.y - o.y);
       if (distance >= touching) continue;
       if (own_start)
         refuse(i, fmt::format("{:.4g} m from the centre of obstacle {}, allowed: at least {:.4g} m", distance, k + 1,
@@ -345,7 +347,7 @@ bool can_drive(const Experiment& e, std::size_t i, const core::Point& end) {
   TrajectorySpec t = *e.robots[i].trajectory;
   const core::Point from = t.path.points.front();
   if (t.start == 0.0 && !t.duration) return true;
-  const double way = std::hypot(end.x - from.x, end.y - from.y) - t.start;
+  const double way = core::math::hypot(end.x - from.x, end.y - from.y) - t.start;
   if (!(way > 0.0)) return false;
   if (!t.duration) return true;
   if (*t.duration < core::Travel::shortest(way, t.acceleration.value_or(e.reference.acceleration))) return false;
@@ -394,7 +396,7 @@ std::vector<std::size_t> places_that_fit(const Experiment& e, const std::vector<
   core::Fitting fitting;
   fitting.both = [&](std::size_t i, std::size_t a, std::size_t j, std::size_t b) {
     const Offset offset{ends[a].x - ends[b].x, ends[a].y - ends[b].y, i, j, 0.0};
-    return Rooms::apart(e, std::hypot(offset.dx, offset.dy) - rooms.more(offset)) &&
+    return Rooms::apart(e, core::math::hypot(offset.dx, offset.dy) - rooms.more(offset)) &&
            (!field || rooms.level(offset) > 1.0);
   };
   fitting.needs_no_less = [&](std::size_t k, std::size_t i) {
@@ -456,7 +458,7 @@ void exchange_places(Experiment& e, Problems& problems) {
   const std::vector<std::size_t> place = places_that_fit(e, ends);
   for (std::size_t i = 0; i < place.size(); ++i) {
     core::Point &from = e.robots[i].trajectory->path.points.front(), &to = e.robots[i].trajectory->path.points.back();
-    const double way = std::hypot(to.x - from.x, to.y - from.y);
+    const double way = core::math::hypot(to.x - from.x, to.y - from.y);
     const core::Point ahead{(to.x - from.x) / way, (to.y - from.y) / way};
     to = ends[place[i]];
     // One that is at its place already stays, with the heading of its own line: no line leads from a point to itself.

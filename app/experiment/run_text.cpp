@@ -7,6 +7,7 @@
 
 #include "app/experiment/toml_edit.h"
 #include "app/experiment/toml_places.h"
+#include "core/math/elementary.h"
 
 namespace skein::app {
 namespace {
@@ -99,7 +100,7 @@ Event ActionsDone::repeatable(const TickRecord& row, const Event& event) const {
   if (!move || !stands_ || earlier_.size() != row.robots.size()) return event;
   const core::Pose &from = earlier_[move->robot], &to = places_[move->robot];
   const double turn = core::wrap_angle(to.theta - from.theta), theta = core::wrap_angle(move->pose.theta - turn);
-  const double turned = theta - from.theta, c = std::cos(turned), s = std::sin(turned);
+  const double turned = theta - from.theta, c = core::math::cos(turned), s = core::math::sin(turned);
   const double dx = to.x - from.x, dy = to.y - from.y;
   return events::Move{move->robot, {move->pose.x - (c * dx - s * dy), move->pose.y - (s * dx + c * dy), theta}};
 }

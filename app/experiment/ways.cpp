@@ -9,6 +9,7 @@
 #include <set>
 
 #include "app/run/number_text.h"
+#include "core/math/elementary.h"
 #include "core/planning/route_search.h"
 
 namespace skein::app {
@@ -19,7 +20,7 @@ using Place = core::Lattice::Place;
 constexpr double rounding = 5e-4;  // [m], as planned routes have it
 
 double length_of(const Place& from, const Place& to) noexcept {
-  return std::hypot(to.x - from.x, to.y - from.y);
+  return core::math::hypot(to.x - from.x, to.y - from.y);
 }
 
 double length_of(const std::vector<Place>& path) noexcept {
@@ -158,7 +159,7 @@ std::vector<std::string> missing_ways(const Experiment& experiment) {
     while (search.searching()) search.advance(1000);
     // A place nearer to an obstacle than the shield lets anybody is none: routes would end beside it.
     const core::Lattice::Place inside = lattice.inside(last.pose.x, last.pose.y);
-    const bool reached = search.found() && std::hypot(inside.x - last.pose.x, inside.y - last.pose.y) <= arrived;
+    const bool reached = search.found() && core::math::hypot(inside.x - last.pose.x, inside.y - last.pose.y) <= arrived;
     if (!reached)
       sentences.push_back(
           fmt::format("no way for {} from ({}, {}) to ({}, {}) m: obstacles and the arena's edge are closer than "

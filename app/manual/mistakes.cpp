@@ -77,8 +77,8 @@ std::string unexpected(const CLI::App& program, const CLI::App& command) {
 /// CLI11's texts, and what they are in plain words: $1, $2 are their parts.
 std::string in_plain_words(const std::string& text) {
   static const std::vector<std::pair<std::regex, const char*>> table{
-      {std::regex(R"(^(.*): At Most 1 required but received 2$)"), "$1: found twice, allowed: once"},
-      {std::regex(R"(^(.*): At Most 1 required but received (\d+)$)"), "$1: found $2 times, allowed: once"},
+      {std::regex(R"(^(.*): At [Mm]ost 1 required but received 2$)"), "$1: found twice, allowed: once"},
+      {std::regex(R"(^(.*): At [Mm]ost 1 required but received (\d+)$)"), "$1: found $2 times, allowed: once"},
       {std::regex(R"(^(.*): 1 required (?:[^ ]*:)?(INT|FLOAT)(?: in \[(.*) - (.*)\])? missing$)"),
        "$1: found no value, allowed: a number"},
       {std::regex(R"(^(.*): 1 required (.*) missing$)"), "$1: found no value, allowed: $2"},

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/math/elementary.h"
+
 namespace skein::app {
 namespace {
 
@@ -47,7 +49,7 @@ double relative_error(const TickRecord& record) noexcept {
     const RobotRecord &a = record.robots[i], &b = record.robots[i + 1];
     const double x = a.pose.x - a.nominal.pose.x - (b.pose.x - b.nominal.pose.x);
     const double y = a.pose.y - a.nominal.pose.y - (b.pose.y - b.nominal.pose.y);
-    largest = larger(largest, std::hypot(x, y));
+    largest = larger(largest, core::math::hypot(x, y));
   }
   return largest;
 }
@@ -148,7 +150,7 @@ void Statistics::count_collisions(const TickRecord& record) {
     if (runs_away(i) && runs_away(j)) return none_of_ours;
     const auto [obeys, other] = runs_away(i) ? std::pair(j, i) : std::pair(i, j);
     const core::Pose from = known_place(record.robots[obeys]), to = known_place(record.robots[other]);
-    const double ahead = (to.x - from.x) * std::cos(from.theta) + (to.y - from.y) * std::sin(from.theta);
+    const double ahead = (to.x - from.x) * core::math::cos(from.theta) + (to.y - from.y) * core::math::sin(from.theta);
     return drove_[obeys] * ahead > 1e-3 * core::distance(from, to) ? so_far_.collisions : *so_far_.run_into;
   };
   for (std::size_t i = 0; i < n; ++i) {
@@ -168,7 +170,7 @@ void Statistics::count_collisions(const TickRecord& record) {
         touching_[n * n + i * obstacles_.size() + k] = false;
         continue;
       }
-      const double gap = std::hypot(here.x - o.x, here.y - o.y) - o.radius - radius;
+      const double gap = core::math::hypot(here.x - o.x, here.y - o.y) - o.radius - radius;
       so_far_.obstacle_gap = std::fmin(so_far_.obstacle_gap, gap);
       see(n * n + i * obstacles_.size() + k, gap, so_far_.collisions);
     }

@@ -21,6 +21,7 @@
 #include "app/tick/control_tick.h"
 #include "app/tick/recorded_input.h"
 #include "core/geometry/pose.h"
+#include "core/math/elementary.h"
 
 namespace skein::app {
 namespace {
@@ -80,7 +81,7 @@ class FilmLoss {
         continue;
       }
       ++compared_;
-      const double distance = std::hypot(b.pose.x - a.pose.x, b.pose.y - a.pose.y);
+      const double distance = core::math::hypot(b.pose.x - a.pose.x, b.pose.y - a.pose.y);
       const double turn = core::wrap_angle(b.pose.theta - a.pose.theta);
       squares_ += distance * distance;
       turns_ += turn * turn;

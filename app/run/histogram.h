@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/math/elementary.h"
+
 namespace skein::app {
 
 /// A histogram of durations: 16 bins per octave (4.4 %) from 1 us to 16 s, with a fixed size. Shorter and longer
@@ -18,7 +20,7 @@ class Histogram {
 
   void add(double seconds) noexcept {
     if (std::isnan(seconds)) return;
-    const double size = seconds > shortest ? std::floor(std::log2(seconds / shortest) * per_octave) : 0.0;
+    const double size = seconds > shortest ? std::floor(core::math::log2(seconds / shortest) * per_octave) : 0.0;
     ++counts_[std::min(static_cast<std::size_t>(size), sizes - 1)];
     ++total_;
     largest_ = std::max(largest_, seconds);
@@ -60,7 +62,7 @@ class Histogram {
  private:
   // [s]
   static double upper_end(std::size_t size) noexcept {
-    return shortest * std::exp2(static_cast<double>(size + 1) / per_octave);
+    return shortest * core::math::exp2(static_cast<double>(size + 1) / per_octave);
   }
 
   std::array<std::uint64_t, sizes> counts_{};

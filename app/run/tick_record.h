@@ -14,6 +14,7 @@
 #include "core/control/tracking_error.h"
 #include "core/estimation/measurement.h"
 #include "core/kinematics/differential_drive.h"
+#include "core/math/elementary.h"
 #include "core/words.h"
 
 namespace skein::app {
@@ -238,7 +239,7 @@ struct TickRecord {
   double tracking_error() const noexcept {
     double largest = 0.0;
     for (const RobotRecord& r : robots)
-      if (!r.is(lost)) largest = std::fmax(largest, std::hypot(r.error.x, r.error.y));
+      if (!r.is(lost)) largest = std::fmax(largest, core::math::hypot(r.error.x, r.error.y));
     return largest;
   }
   /// Largest |delta|. [m]

@@ -11,6 +11,7 @@
 #include "app/tools/plant_loop.h"
 #include "core/estimation/statistics.h"
 #include "core/kinematics/step_rate.h"
+#include "core/math/elementary.h"
 #include "core/safety/limits.h"
 
 namespace skein::app {
@@ -23,7 +24,7 @@ constexpr double off_the_spot = 0.05, elbow = 0.01;   // the robot may wander; b
 
 /// A frequency that rises evenly: delay and scale of the headings show at different phases of each turn.
 double turning_rate(double t, double seconds) {
-  return fastest_turn * std::sin(2.0 * core::pi * t * (slow + 0.5 * (quick - slow) * t / seconds));
+  return fastest_turn * core::math::sin(2.0 * core::pi * t * (slow + 0.5 * (quick - slow) * t / seconds));
 }
 
 /// Wheels roll evenly from step to step (core::StepMotor), and counters count steps that are made: on average a wheel
@@ -181,7 +182,9 @@ CameraRows judge_rows(const std::vector<CameraLatency>& turns, double row_time, 
   CameraRows result;
   double weights = 0.0, row = 0.0, late = 0.0, top = none, bottom = none;
   std::size_t n = 0;
-  const auto weight = [&](const CameraLatency& turn) { return 1.0 / std::pow(std::max(turn.sigma, least_sigma), 2); };
+  const auto weight = [&](const CameraLatency& turn) {
+    return 1.0 / core::math::pow(std::max(turn.sigma, least_sigma), 2);
+  };
   const auto told = [](const CameraLatency& turn) { return turn.doubt.empty() && std::isfinite(turn.late + turn.row); };
   for (const CameraLatency& turn : turns) {
     if (!told(turn)) continue;
@@ -214,7 +217,7 @@ CameraRows judge_rows(const std::vector<CameraLatency>& turns, double row_time, 
   const double slope = product / moment;
   double squares = 0.0;
   for (const CameraLatency& turn : turns)
-    if (told(turn)) squares += weight(turn) * std::pow(turn.late - late - slope * (turn.row - row), 2);
+    if (told(turn)) squares += weight(turn) * core::math::pow(turn.late - late - slope * (turn.row - row), 2);
   // Turns that do not lie on a line say less than each claims.
   const double worse = n > 2 ? std::max(1.0, squares / static_cast<double>(n - 2)) : 1.0;
   result.row_time = row_time - slope;  // a row that is read later than was thought makes its stamps less late

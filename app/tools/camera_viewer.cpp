@@ -18,6 +18,7 @@
 #include "app/session/experiment_cameras.h"
 #include "app/tools/aside.h"
 #include "app/tools/camera_words.h"
+#include "core/math/elementary.h"
 #include "vision/detector/detector.h"
 #include "vision/diagnosis/diagnosis.h"
 #include "vision/diagnosis/tag_absence.h"
@@ -44,7 +45,7 @@ double edge_px_of(const vision::Corners& corners) {
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const auto& from = corners[i];
     const auto& to = corners[(i + 1) % corners.size()];
-    sum += std::hypot(to[0] - from[0], to[1] - from[1]);
+    sum += core::math::hypot(to[0] - from[0], to[1] - from[1]);
   }
   return sum / static_cast<double>(corners.size());
 }

@@ -17,6 +17,7 @@
 #include "app/record/csv_reader.h"
 #include "app/record/gnuplot.h"
 #include "core/estimation/statistics.h"
+#include "core/math/elementary.h"
 #include "core/simulation/simulated_robot.h"
 
 namespace skein::app {
@@ -57,8 +58,8 @@ bool could_be_seen(const std::vector<core::Innovation>& innovations) {
   double squares = 0.0, angles = 0.0, count = 0.0;
   for (const core::Innovation& innovation : innovations) {
     if (!innovation.used) continue;
-    squares += std::pow(std::hypot(innovation.ahead, innovation.left), 2);
-    angles += std::pow(innovation.theta, 2);
+    squares += core::math::pow(core::math::hypot(innovation.ahead, innovation.left), 2);
+    angles += core::math::pow(innovation.theta, 2);
     ++count;
   }
   return count > 0.0 && (squares > count * least * least || angles > count * least_angle * least_angle);
@@ -250,7 +251,7 @@ std::vector<OtherRobot> other_robots(const RobotHistory& history, const core::Id
     double farthest = far;
     std::optional<OtherRobot> other;
     const auto compare = [&](std::string_view value, const core::Estimate& a, const core::Estimate& b) {
-      const double sigma = std::hypot(a.high - a.low, b.high - b.low) / widths_per_sigma;
+      const double sigma = core::math::hypot(a.high - a.low, b.high - b.low) / widths_per_sigma;
       if (const double distance = std::abs(a.value - b.value) / sigma; a.known && distance > farthest)
         farthest = distance, other = {run, value, a, b};
     };

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/math/elementary.h"
 #include "core/simulation/random.h"
 
 namespace skein::app {
@@ -33,10 +34,13 @@ class Scene {
  private:
   double between(const std::array<double, 2>& span) { return span[0] + (span[1] - span[0]) * random_.uniform(); }
   core::Point world(double x, double y) const {
-    return {x_ + x * std::cos(turn_) - y * std::sin(turn_), y_ + x * std::sin(turn_) + y * std::cos(turn_)};
+    return {x_ + x * core::math::cos(turn_) - y * core::math::sin(turn_),
+            y_ + x * core::math::sin(turn_) + y * core::math::cos(turn_)};
   }
   /// How far beyond the passage a place of the floor is, negative before it.
-  double through(const core::Point& p) const { return (p.x - x_) * std::cos(turn_) + (p.y - y_) * std::sin(turn_); }
+  double through(const core::Point& p) const {
+    return (p.x - x_) * core::math::cos(turn_) + (p.y - y_) * core::math::sin(turn_);
+  }
   /// Draws everything; false: there was no room for it.
   bool lay_out() {
     walls_.clear(), starts_.clear(), places_.clear();
@@ -44,7 +48,7 @@ class Scene {
     turn_ = core::pi * (1.0 - 2.0 * random_.uniform());
     x_ = 0.4 * w_ * (1.0 - 2.0 * random_.uniform());
     y_ = 0.4 * h_ * (1.0 - 2.0 * random_.uniform());
-    const double far = 2.0 * std::hypot(w_, h_), side = 0.5 * width + thickness;
+    const double far = 2.0 * core::math::hypot(w_, h_), side = 0.5 * width + thickness;
     from_ = thickness;
     switch (passage_.kind) {
       case PassageKind::corridor:
@@ -80,7 +84,7 @@ class Scene {
     return true;
   }
   void wall(double x0, double y0, double x1, double y1) {
-    const double long_ = std::hypot(x1 - x0, y1 - y0);
+    const double long_ = core::math::hypot(x1 - x0, y1 - y0);
     const int n = std::max(1, static_cast<int>(std::ceil(long_ / every)));
     for (int k = 0; k <= n; ++k) {
       const double s = static_cast<double>(k) / n;
@@ -91,10 +95,12 @@ class Scene {
   bool clear(const core::Point& p, const std::vector<core::Pose>& others) const {
     const double edge = passage_.clearance - core::standard_radius;
     return std::abs(p.x) <= w_ - edge && std::abs(p.y) <= h_ - edge &&
-           std::all_of(others.begin(), others.end(),
-                       [&](const core::Pose& o) { return std::hypot(o.x - p.x, o.y - p.y) >= passage_.clearance; }) &&
-           std::all_of(walls_.begin(), walls_.end(),
-                       [&](const core::Obstacle& o) { return std::hypot(o.x - p.x, o.y - p.y) >= o.radius + edge; });
+           std::all_of(
+               others.begin(), others.end(),
+               [&](const core::Pose& o) { return core::math::hypot(o.x - p.x, o.y - p.y) >= passage_.clearance; }) &&
+           std::all_of(walls_.begin(), walls_.end(), [&](const core::Obstacle& o) {
+             return core::math::hypot(o.x - p.x, o.y - p.y) >= o.radius + edge;
+           });
   }
   /// Anywhere on one side of the passage.
   bool put(std::vector<core::Pose>& poses, double side) {

@@ -7,6 +7,7 @@
 
 #include "app/experiment/toml_places.h"
 #include "app/session/wheel_check.h"
+#include "core/math/elementary.h"
 
 namespace skein::app {
 namespace {
@@ -33,8 +34,8 @@ std::string in_mm(double metres) {
 double RobotTest::Moved::forward() const {
   const double dx = after.x - before.x, dy = after.y - before.y, half = 0.5 * turned();
   const double heading = before.theta + half;
-  const double chord = dx * std::cos(heading) + dy * std::sin(heading);
-  return std::abs(half) < 1e-6 ? chord : chord * half / std::sin(half);  // along the arc
+  const double chord = dx * core::math::cos(heading) + dy * core::math::sin(heading);
+  return std::abs(half) < 1e-6 ? chord : chord * half / core::math::sin(half);  // along the arc
 }
 
 RobotTest::RobotTest(Plant& plant, SessionClock& clock, const Experiment& believed, std::function<bool()> keep_on)
@@ -174,7 +175,7 @@ void RobotTest::judge_camera(std::size_t robot, const Manoeuvre& left, const Man
 bool RobotTest::free_way(int tag, double distance, double radius) const {
   const auto own = std::find(wanted_.begin(), wanted_.end(), tag) - wanted_.begin();
   const core::Pose& at = resting_[static_cast<std::size_t>(own)];
-  const double ahead_x = std::cos(at.theta), ahead_y = std::sin(at.theta);
+  const double ahead_x = core::math::cos(at.theta), ahead_y = core::math::sin(at.theta);
   if (std::abs(at.x + distance * ahead_x) > 0.5 * believed_.arena_width - radius ||
       std::abs(at.y + distance * ahead_y) > 0.5 * believed_.arena_height - radius)
     return false;
@@ -183,7 +184,7 @@ bool RobotTest::free_way(int tag, double distance, double radius) const {
     const double dx = resting_[i].x - at.x, dy = resting_[i].y - at.y;
     const double along = std::clamp(dx * ahead_x + dy * ahead_y, std::min(0.0, distance), std::max(0.0, distance));
     const double room = elbow_room + 2.0 * (radius - core::standard_radius);
-    if (std::hypot(dx - along * ahead_x, dy - along * ahead_y) < room) return false;
+    if (core::math::hypot(dx - along * ahead_x, dy - along * ahead_y) < room) return false;
   }
   return true;
 }

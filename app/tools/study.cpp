@@ -14,6 +14,7 @@
 #include "app/experiment/experiment_file.h"
 #include "app/experiment/text_file.h"
 #include "app/experiment/toml_table.h"
+#include "core/math/elementary.h"
 #include "core/simulation/random.h"
 
 namespace skein::app {
@@ -192,10 +193,10 @@ tl::expected<std::string, std::string> place_obstacles(const Study::Field& field
     const double w = 0.5 * e.arena_width, h = 0.5 * e.arena_height;
     const double radius = dice.between(field.radius), x = dice.between({-w, w}), y = dice.between({-h, h});
     const auto clear_of = [&](const core::Pose& pose, std::size_t robot) {
-      return std::hypot(pose.x - x, pose.y - y) >= radius + field.clearance + beyond(e, robot);
+      return core::math::hypot(pose.x - x, pose.y - y) >= radius + field.clearance + beyond(e, robot);
     };
     bool free = std::all_of(placed.begin(), placed.end(), [&](const core::Obstacle& o) {
-      return std::hypot(o.x - x, o.y - y) >= o.radius + radius + field.gap;
+      return core::math::hypot(o.x - x, o.y - y) >= o.radius + radius + field.gap;
     });
     for (std::size_t i = 0; free && i < e.robots.size(); ++i)
       free = clear_of(reference->at(i, 0.0).pose, i) && clear_of(reference->at(i, e.duration).pose, i);
@@ -219,7 +220,7 @@ tl::expected<std::vector<std::string>, std::string> scatter_starts(const Study::
     core::Pose there{dice.between({-w, w}), dice.between({-h, h}), 0.0};
     if (scatter.distance > 0.0) {
       const double by = dice.between({0.0, scatter.distance}), direction = dice.angle();
-      there = {start.x + by * std::cos(direction), start.y + by * std::sin(direction), 0.0};
+      there = {start.x + by * core::math::cos(direction), start.y + by * core::math::sin(direction), 0.0};
     }
     there.theta = core::wrap_angle(start.theta + dice.between({-scatter.heading, scatter.heading}));
     const bool free =
@@ -230,7 +231,7 @@ tl::expected<std::vector<std::string>, std::string> scatter_starts(const Study::
                       return core::distance(p, there) >= scatter.clearance + beyond(e, placed.size()) + beyond(e, j);
                     }) &&
         std::all_of(e.obstacles.begin(), e.obstacles.end(), [&](const core::Obstacle& o) {
-          return std::hypot(there.x - o.x, there.y - o.y) >=
+          return core::math::hypot(there.x - o.x, there.y - o.y) >=
                  o.radius + scatter.clearance - core::standard_radius + beyond(e, placed.size());
         });
     if (!free) continue;
@@ -261,7 +262,8 @@ tl::expected<std::string, std::string> draw_crowd(const Study::Crowd& crowd, con
           std::all_of(drawn->begin(), drawn->end(),
                       [&](const core::Pose& p) { return core::distance(p, pose) >= crowd.clearance + 2.0 * more; }) &&
           std::all_of(e.obstacles.begin(), e.obstacles.end(), [&](const core::Obstacle& o) {
-            return std::hypot(pose.x - o.x, pose.y - o.y) >= o.radius + crowd.clearance - core::standard_radius + more;
+            return core::math::hypot(pose.x - o.x, pose.y - o.y) >=
+                   o.radius + crowd.clearance - core::standard_radius + more;
           });
       if (free) drawn->push_back(pose);
     }
@@ -314,7 +316,7 @@ tl::expected<std::string, std::string> perturb(const Study::Hand& hand, const Ex
     for (int tries = 0; !free; ++tries) {
       if (tries == most_tries) return tl::unexpected(fmt::format("there is no room to put robot {} down", robot + 1));
       const double by = hand.edge ? 0.0 : dice.between(hand.distance), direction = dice.angle(), turn = dice.angle();
-      double dx = by * std::cos(direction), dy = by * std::sin(direction), room = from_edge;
+      double dx = by * core::math::cos(direction), dy = by * core::math::sin(direction), room = from_edge;
       if (hand.edge) {
         room = e.robots[robot].radius;
         const core::Point at = beside_edge(e, room + dice.between(*hand.edge), dice);
@@ -325,7 +327,7 @@ tl::expected<std::string, std::string> perturb(const Study::Hand& hand, const Ex
       for (std::size_t j = 0; free && j < n; ++j)
         free = j == robot || core::distance(there, poses[j]) >= hand.clearance + beyond(e, robot) + beyond(e, j);
       for (const core::Obstacle& o : e.obstacles)
-        free = free && std::hypot(there.x - o.x, there.y - o.y) >= o.radius + from_edge;
+        free = free && core::math::hypot(there.x - o.x, there.y - o.y) >= o.radius + from_edge;
       if (!free) continue;
       poses[robot] = there;
       text += fmt::format("{}{{t={}, robot={}, dx={}, dy={}, dtheta={}}}", text.empty() ? "" : ", ", hand.t, robot + 1,

@@ -14,6 +14,7 @@
 #include "app/record/schedule.h"
 #include "app/record/statistics.h"
 #include "app/session/session.h"
+#include "core/math/elementary.h"
 
 namespace skein::app {
 namespace {
@@ -52,7 +53,7 @@ class Distance final : public RecordSink {
     for (const Event& event : record.events)
       if (const auto* const perturb = std::get_if<events::Perturb>(&event)) {
         if (!since_) since_ = record.t;
-        farthest_ = std::fmax(farthest_, std::hypot(perturb->dx, perturb->dy));
+        farthest_ = std::fmax(farthest_, core::math::hypot(perturb->dx, perturb->dy));
       }
     if (error > near_enough_) last_far_ = record.t;
     if (error > near_enough_ || !at_rest_)
@@ -142,7 +143,7 @@ class Distance final : public RecordSink {
       const double metres = experiment_.robots[i].drive.metres_per_step() * experiment_.rate;
       if (rows_.size() > 1)
         for (const double change : {robot.wheels.left - before_[i].left, robot.wheels.right - before_[i].right})
-          squares_ += std::pow(metres * change, 2), ++changes_;
+          squares_ += core::math::pow(metres * change, 2), ++changes_;
       before_[i] = robot.wheels;
     }
   }

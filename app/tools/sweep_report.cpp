@@ -16,6 +16,7 @@
 #include "app/record/gnuplot.h"
 #include "app/session/session.h"
 #include "core/estimation/statistics.h"
+#include "core/math/elementary.h"
 
 namespace skein::app {
 namespace {
@@ -314,12 +315,12 @@ PairedDifference paired_difference(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   const double median = n % 2 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
   // The largest k with P(fewer than k of n lie below the median) <= 2.5 %: then [k-th smallest, k-th largest] holds it.
-  double below = 0.0, log_chance = -static_cast<double>(n) * std::log(2.0);
+  double below = 0.0, log_chance = -static_cast<double>(n) * core::math::log(2.0);
   std::size_t k = 0;
   for (; k < n; ++k) {
-    below += std::exp(log_chance);
+    below += core::math::exp(log_chance);
     if (below > 0.025) break;
-    log_chance += std::log(static_cast<double>(n - k)) - std::log(static_cast<double>(k + 1));
+    log_chance += core::math::log(static_cast<double>(n - k)) - core::math::log(static_cast<double>(k + 1));
   }
   constexpr double infinity = std::numeric_limits<double>::infinity();
   return {n, median, k > 0 ? values[k - 1] : -infinity, k > 0 ? values[n - k] : infinity};

@@ -18,6 +18,7 @@
 #include "app/experiment/text_file.h"
 #include "app/experiment/toml_edit.h"
 #include "app/record/gnuplot.h"
+#include "core/math/elementary.h"
 #include "core/words.h"
 
 namespace skein::app {
@@ -50,13 +51,13 @@ class Scale {
 
   /// To three digits: files stay readable, and finer differences have no effect.
   double value(double share) const {
-    const double exact =
-        logarithmic_ ? span_[0] * std::pow(span_[1] / span_[0], share) : span_[0] + (span_[1] - span_[0]) * share;
+    const double exact = logarithmic_ ? span_[0] * core::math::pow(span_[1] / span_[0], share)
+                                      : span_[0] + (span_[1] - span_[0]) * share;
     return std::clamp(std::stod(fmt::format("{:.3g}", exact)), span_[0], span_[1]);
   }
   double share(double value) const {
     const double here = std::clamp(value, span_[0], span_[1]);
-    return std::clamp(logarithmic_ ? std::log(here / span_[0]) / std::log(span_[1] / span_[0])
+    return std::clamp(logarithmic_ ? core::math::log(here / span_[0]) / core::math::log(span_[1] / span_[0])
                                    : (here - span_[0]) / (span_[1] - span_[0]),
                       0.0, 1.0);
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/kinematics/unicycle.h"
+#include "core/math/elementary.h"
 
 namespace skein::core {
 namespace {
@@ -58,15 +59,15 @@ Repulsion repulsion(const AvoidanceParameters& region, const Scene& scene, std::
 /// (32)-(34), bounded: the reference from the robot's last pose and the velocity that repels it.
 ReferencePoint repelled(const Pose& previous, double heading, const Velocity& away, double v_max,
                         const ReferenceBounds& bounds, double dt) noexcept {
-  const double speed = std::min(std::hypot(away.x, away.y), v_max);          // (32, 33)
-  const double wanted = speed > 0.0 ? std::atan2(away.y, away.x) : heading;  // (34c)
+  const double speed = std::min(math::hypot(away.x, away.y), v_max);          // (32, 33)
+  const double wanted = speed > 0.0 ? math::atan2(away.y, away.x) : heading;  // (34c)
   const double omega_limit = bounds.omega_limit();
   const double omega = std::clamp(wrap_angle(wanted - heading) / dt, -omega_limit, omega_limit);  // (34e), bounded
   const double theta = wrap_angle(heading + omega * dt);
-  const double along = speed * std::max(0.0, std::cos(wanted - theta));
+  const double along = speed * std::max(0.0, math::cos(wanted - theta));
   const double v = std::min(along, bounds.v_limit(omega));  // (34d), bounded
-  return {{previous.x + dt * v * std::cos(theta), previous.y + dt * v * std::sin(theta), theta},
-          {v, omega}};  // (34a, b)
+  const auto [sin, cos] = math::sincos(theta);
+  return {{previous.x + dt * v * cos, previous.y + dt * v * sin, theta}, {v, omega}};  // (34a, b)
 }
 
 /// How the modified reference moves to come back to the nominal one: the law (15) of a robot alone, inside the bounds.
@@ -74,7 +75,7 @@ Twist homing(const Gains& gains, std::size_t i, const ReferencePoint& nominal, c
              const ReferenceBounds& bounds) noexcept {
   const TrackingError e = tracking_error(nominal.pose, from);
   const double normaliser = std::sqrt(1.0 + gains.k * gains.k * (e.x * e.x + e.y * e.y));
-  const double v = nominal.twist.v * std::cos(e.theta) + saturate(gains.saturation, bounds.v, gains.c_x[i] * e.x);
+  const double v = nominal.twist.v * math::cos(e.theta) + saturate(gains.saturation, bounds.v, gains.c_x[i] * e.x);
   const double omega = nominal.twist.omega + saturate(gains.saturation, bounds.omega, gains.c_theta[i] * e.theta) +
                        gains.k_y * nominal.twist.v * gains.k * e.y / normaliser * sinc(e.theta);
   const double omega_limit = bounds.omega_limit();
@@ -85,10 +86,10 @@ Twist homing(const Gains& gains, std::size_t i, const ReferencePoint& nominal, c
 /// Straight to where the place is, and there into its direction.
 Twist straight_home(const ReferencePoint& nominal, const Pose& from, const ReferenceBounds& bounds) noexcept {
   const double dx = nominal.pose.x - from.x, dy = nominal.pose.y - from.y;
-  const double left = std::hypot(dx, dy);
+  const double left = math::hypot(dx, dy);
   if (left < 0.7 * arrived_distance) return Steering::towards(nominal.pose.theta, 0.0, from.theta, bounds);
   const double speed = std::min(bounds.v, std::abs(nominal.twist.v) + approach * left);
-  return Steering::towards(std::atan2(dy, dx), speed, from.theta, bounds);
+  return Steering::towards(math::atan2(dy, dx), speed, from.theta, bounds);
 }
 
 }  // namespace
@@ -145,7 +146,7 @@ void Avoidance::detour(std::size_t i, const AvoidanceParameters& parameters, con
   const double theta = wrap_angle(from.theta + twist.omega * dt);
   // As (34a, b): from where the robot was, so that it neither runs ahead of its reference nor behind.
   robot.reference = {
-      {robot.previous.x + dt * twist.v * std::cos(theta), robot.previous.y + dt * twist.v * std::sin(theta), theta},
+      {robot.previous.x + dt * twist.v * math::cos(theta), robot.previous.y + dt * twist.v * math::sin(theta), theta},
       twist};
   if (distance(from, nominal.pose) > close_by) return;
   robot.state = State::returning;
@@ -158,7 +159,7 @@ void Avoidance::come_back(std::size_t i, const Gains& gains, double dt, const Re
   const ReferenceBounds bounds = reference_bounds(gains, i);
   robot.reference.pose = advance(robot.reference.pose, robot.reference.twist, dt);
   const TrackingError left = tracking_error(nominal.pose, robot.reference.pose);
-  const double distance = std::hypot(left.x, left.y);
+  const double distance = math::hypot(left.x, left.y);
   if (robot.straight && !at_rest(nominal) && distance < close_by) robot.straight = false;
   robot.reference.twist = robot.straight || at_rest(nominal) ? straight_home(nominal, robot.reference.pose, bounds)
                                                              : homing(gains, i, nominal, robot.reference.pose, bounds);

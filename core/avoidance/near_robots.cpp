@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/math/elementary.h"
+
 namespace skein::core {
 
 NearRobots::NearRobots(std::size_t robots)
@@ -62,7 +64,7 @@ double NearRobots::smallest_distance(std::span<const Pose> poses) noexcept {
       for (const std::uint32_t j : above(i)) {
         const double dx = poses[i].x - poses[j].x, dy = poses[i].y - poses[j].y;
         if (dx * dx + dy * dy > rounding * smallest * smallest) continue;
-        smallest = std::fmin(smallest, std::hypot(dx, dy));
+        smallest = std::fmin(smallest, math::hypot(dx, dy));
       }
     if (!(smallest <= reach)) continue;
     last_reach_ = std::max(1.1 * smallest, 1e-3);

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/math/elementary.h"
+
 namespace skein::core {
 
 double region_level(const AvoidanceParameters& a, double dx, double dy) noexcept {
-  return std::pow(std::abs(dx / a.alpha), a.p) + std::pow(std::abs(dy / a.beta), a.p);
+  return math::pow(std::abs(dx / a.alpha), a.p) + math::pow(std::abs(dy / a.beta), a.p);
 }
 
 double potential(const AvoidanceParameters& a, double x, double y, double x_ref, double y_ref, double x_j,
@@ -14,7 +16,7 @@ double potential(const AvoidanceParameters& a, double x, double y, double x_ref,
   const double level = region_level(a, x - x_j, y - y_j);
   if (level > 1.0) return 0.0;
   const double ex = x - x_ref, ey = y - y_ref;
-  return a.K_a * (ex * ex + ey * ey) + a.K_o * std::exp(-level / a.p);
+  return a.K_a * (ex * ex + ey * ey) + a.K_o * math::exp(-level / a.p);
 }
 
 Velocity descent(const AvoidanceParameters& a, double x, double y, double x_ref, double y_ref, double x_j,
@@ -22,9 +24,9 @@ Velocity descent(const AvoidanceParameters& a, double x, double y, double x_ref,
   const double dx = x - x_j, dy = y - y_j;
   const double level = region_level(a, dx, dy);
   if (level > 1.0) return {};
-  const double height = a.K_o * std::exp(-level / a.p);
+  const double height = a.K_o * math::exp(-level / a.p);
   const auto slope = [&](double d, double size) {
-    return std::copysign(height / size * std::pow(std::abs(d / size), a.p - 1), d);
+    return std::copysign(height / size * math::pow(std::abs(d / size), a.p - 1), d);
   };
   return {-2.0 * a.K_a * (x - x_ref) + slope(dx, a.alpha), -2.0 * a.K_a * (y - y_ref) + slope(dy, a.beta)};
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/kinematics/unicycle.h"
+#include "core/math/elementary.h"
 
 namespace skein::core {
 namespace {
@@ -46,7 +47,7 @@ Steering::Steering(std::size_t robots, std::size_t obstacles) {
 Twist Steering::towards(double heading, double speed, double theta, const ReferenceBounds& bounds) noexcept {
   const double off = wrap_angle(heading - theta);
   const double omega = std::clamp(turn_rate * off, -bounds.omega_limit(), bounds.omega_limit());
-  return {std::min(speed * std::max(0.0, std::cos(off)), bounds.v_limit(omega)), omega};
+  return {std::min(speed * std::max(0.0, math::cos(off)), bounds.v_limit(omega)), omega};
 }
 
 /// All robots within reach, and the distance to keep from each: from one that is nearer already, its present distance.
@@ -54,14 +55,15 @@ void Steering::gather_movers(const Scene& scene, std::size_t i, std::span<const 
                              double reach) noexcept {
   movers_.clear();
   const auto add = [&](double at_x, double at_y, double v_x, double v_y, double keep) {
-    const double d = std::hypot(at_x - x, at_y - y);
+    const double d = math::hypot(at_x - x, at_y - y);
     if (d < reach + keep) movers_.push_back({at_x, at_y, v_x, v_y, std::min(keep, d - length_rounding)});
   };
   for (const std::uint32_t j : near) {
     if (j == i) continue;
     const Pose& p = scene.poses[j];
     const double v = scene.twists[j].v;
-    add(p.x, p.y, v * std::cos(p.theta), v * std::sin(p.theta), scene.keep + scene.sizes.beyond(i, j));
+    const auto [sin, cos] = math::sincos(p.theta);
+    add(p.x, p.y, v * cos, v * sin, scene.keep + scene.sizes.beyond(i, j));
   }
   for (const Obstacle& o : scene.obstacles)
     add(o.x, o.y, 0.0, 0.0, scene.keep - standard_radius + o.radius + scene.sizes.beyond(i));
@@ -85,7 +87,7 @@ Steering::Ride Steering::ride(const Scene& scene, const Query& query, double hea
     return std::max(std::abs(x) - scene.half_width, std::abs(y) - scene.half_height) + scene.sizes.beyond(query.robot);
   };
   const double allowed_outside = std::max(0.0, outside(query.from.x, query.from.y)) + nearer;
-  const double v_x = goal.twist.v * std::cos(goal.pose.theta), v_y = goal.twist.v * std::sin(goal.pose.theta);
+  const double v_x = goal.twist.v * math::cos(goal.pose.theta), v_y = goal.twist.v * math::sin(goal.pose.theta);
   Pose pose = query.from;
   Ride result{0.0, 0.0, std::numeric_limits<double>::infinity()};
   int steps = 0, held = 0;
@@ -95,8 +97,8 @@ Steering::Ride Steering::ride(const Scene& scene, const Query& query, double hea
     const double off = wrap_angle(heading - pose.theta);
     pose.theta =
         std::abs(off) < std::abs(twist.omega) * ride_step ? heading : wrap_angle(pose.theta + twist.omega * ride_step);
-    const double x = pose.x + twist.v * ride_step * std::cos(pose.theta);
-    const double y = pose.y + twist.v * ride_step * std::sin(pose.theta);
+    const auto [sin, cos] = math::sincos(pose.theta);
+    const double x = pose.x + twist.v * ride_step * cos, y = pose.y + twist.v * ride_step * sin;
     double left_over = gap(x, y, t);
     // The shield asks at every moment: a chord may not begin with coming nearer either.
     if (left_over < comfort)
@@ -107,7 +109,7 @@ Steering::Ride Steering::ride(const Scene& scene, const Query& query, double hea
       ++held;  // as the shield holds it: it stands, and goes on turning
     else
       pose.x = x, pose.y = y;
-    result.off += std::hypot(goal.pose.x + v_x * t - pose.x, goal.pose.y + v_y * t - pose.y);
+    result.off += math::hypot(goal.pose.x + v_x * t - pose.x, goal.pose.y + v_y * t - pose.y);
     t += ride_step;
   }
   result.off /= steps;
@@ -121,13 +123,13 @@ Course Steering::choose(const Scene& scene, const Query& query) noexcept {
   const ReferenceBounds& bounds = query.bounds;
   const double horizon = query.horizon, waited = query.waited;
   gather_movers(scene, query.robot, query.near, from.x, from.y, 2.0 * bounds.v * horizon);
-  const double left = std::hypot(goal.pose.x - from.x, goal.pose.y - from.y);
+  const double left = math::hypot(goal.pose.x - from.x, goal.pose.y - from.y);
   // Where the goal will be by the time that the robot can be there.
   const double fastest = std::max(bounds.v, 1e-3);
   const double lead = goal.twist.v * std::min(horizon, left / fastest);
-  const double dx = goal.pose.x + lead * std::cos(goal.pose.theta) - from.x;
-  const double dy = goal.pose.y + lead * std::sin(goal.pose.theta) - from.y;
-  const double straight = std::hypot(dx, dy) > 1e-6 ? std::atan2(dy, dx) : goal.pose.theta;
+  const double dx = goal.pose.x + lead * math::cos(goal.pose.theta) - from.x;
+  const double dy = goal.pose.y + lead * math::sin(goal.pose.theta) - from.y;
+  const double straight = math::hypot(dx, dy) > 1e-6 ? math::atan2(dy, dx) : goal.pose.theta;
   const double top = std::min(bounds.v, std::abs(goal.twist.v) + end_rate * left);
 
   Course best;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/kinematics/unicycle.h"
+#include "core/math/elementary.h"
 
 namespace skein::core {
 namespace {
@@ -29,7 +30,7 @@ void track(const Gains& gains, std::span<const TrackingError> errors, std::span<
   for (std::size_t i = 0; i < errors.size(); ++i) {
     const TrackingError& e = errors[i];
     const double v_ref = reference[i].v;
-    command[i].v = v_ref * std::cos(e.theta) + saturate(gains.saturation, gains.k_x[i], gains.c_x[i] * e.x);
+    command[i].v = v_ref * math::cos(e.theta) + saturate(gains.saturation, gains.k_x[i], gains.c_x[i] * e.x);
     command[i].omega = reference[i].omega + saturate(gains.saturation, gains.k_theta[i], gains.c_theta[i] * e.theta) +
                        gains.k_y * v_ref * gains.k * e.y / normaliser * sinc(e.theta);
   }
@@ -48,8 +49,8 @@ void coordinate(const Gains& gains, std::span<const TrackingError> errors, std::
       const double tt =
           coupling_factor(gains, gains.k_tt(i, j), gains.c_tt(i, j), gains.l_tt(i, j), e_i.theta, e_j.theta);
       const double yy = saturate(gains.saturation, gains.k_yy(i, j), gains.c_yy(i, j) * (e_i.y - e_j.y));
-      command[i].omega += e_j.theta * tt + yy * sinc(e_i.theta) * std::sin(e_j.theta);
-      command[j].omega -= e_i.theta * tt + yy * sinc(e_j.theta) * std::sin(e_i.theta);
+      command[i].omega += e_j.theta * tt + yy * sinc(e_i.theta) * math::sin(e_j.theta);
+      command[j].omega -= e_i.theta * tt + yy * sinc(e_j.theta) * math::sin(e_i.theta);
     }
   }
 }
@@ -90,7 +91,7 @@ CouplingSums coupling_sums(const Gains& gains, std::span<const TrackingError> er
       sums.theta += e_i.theta * e_j.theta *
                     coupling_factor(gains, gains.k_tt(i, j), gains.c_tt(i, j), gains.l_tt(i, j), e_i.theta, e_j.theta);
       sums.y += saturate(gains.saturation, gains.k_yy(i, j), gains.c_yy(i, j) * (e_i.y - e_j.y)) * e_i.theta *
-                sinc(e_i.theta) * std::sin(e_j.theta);
+                sinc(e_i.theta) * math::sin(e_j.theta);
     }
   }
   return sums;

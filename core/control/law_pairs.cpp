@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/kinematics/unicycle.h"
+#include "core/math/elementary.h"
 
 // The loops are compiled for more than one processor and chosen at run time. This file is compiled with -O3 and without
 // errno and floating-point traps, which would keep the compiler from doing several pairs at once; neither changes a
@@ -159,10 +160,10 @@ void exponentials(LawPairs::Error& error, double c, std::size_t robots) noexcept
   for (std::size_t i = 0; i < robots; ++i) {
     const double twice = 2.0 * c * error.b[i];
     if (twice > -0.5) {
-      error.expm1[i] = std::expm1(twice);
+      error.expm1[i] = math::expm1(twice);
       error.exp[i] = error.expm1[i] + 1.0;
     } else {
-      error.exp[i] = std::exp(twice);
+      error.exp[i] = math::exp(twice);
       error.expm1[i] = error.exp[i] - 1.0;
     }
   }
@@ -205,7 +206,7 @@ void LawPairs::add(const Gains& gains, std::span<const TrackingError> errors, st
     x.b[i] = errors[i].x;
     y.b[i] = errors[i].y;
     theta.b[i] = errors[i].theta;
-    sin[i] = std::sin(errors[i].theta);
+    sin[i] = math::sin(errors[i].theta);
     sinc[i] = core::sinc(errors[i].theta);
     v[i] = omega[i] = 0.0;
   }

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <string_view>
 
+#include "core/math/elementary.h"
+
 namespace skein::core {
 
 /// The two saturation functions of (11), members of the set S_{r,k} of (10): odd, smooth, bounded by r.
@@ -26,7 +28,7 @@ constexpr std::string_view word(Saturation kind) noexcept {
 inline double saturate(Saturation kind, double r, double kx) noexcept {
   switch (kind) {
     case Saturation::tanh:
-      return r * std::tanh(kx);
+      return r * math::tanh(kx);
     case Saturation::algebraic:
       break;
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/kinematics/unicycle.h"
+#include "core/math/elementary.h"
 
 namespace skein::core {
 
@@ -14,7 +15,7 @@ Twist track_alone(const Gains& gains, std::size_t i, const TrackingError& e, con
       fixed ? gains.k_theta[i]
             : std::max(0.0, gains.omega_max[i] - std::abs(reference.omega) - gains.k_y * std::abs(reference.v));
   const double normaliser = std::sqrt(1.0 + gains.k * gains.k * (e.x * e.x + e.y * e.y));
-  return {reference.v * std::cos(e.theta) + saturate(gains.saturation, k_x, gains.c_x[i] * e.x),
+  return {reference.v * math::cos(e.theta) + saturate(gains.saturation, k_x, gains.c_x[i] * e.x),
           reference.omega + saturate(gains.saturation, k_theta, gains.c_theta[i] * e.theta) +
               gains.k_y * reference.v * gains.k * e.y / normaliser * sinc(e.theta)};
 }

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/controllers/independent.h"
+#include "core/math/elementary.h"
 
 namespace skein::core {
 namespace {
@@ -19,9 +20,9 @@ double gamma_of(const Pose& leader, double phi, const Pose& follower) noexcept {
 }  // namespace
 
 Separation separation(const Pose& leader, const Pose& follower, double ahead) noexcept {
-  const double x = follower.x + ahead * std::cos(follower.theta) - leader.x;
-  const double y = follower.y + ahead * std::sin(follower.theta) - leader.y;
-  return {std::hypot(x, y), wrap_angle(std::atan2(y, x) - leader.theta)};
+  const double x = follower.x + ahead * math::cos(follower.theta) - leader.x;
+  const double y = follower.y + ahead * math::sin(follower.theta) - leader.y;
+  return {math::hypot(x, y), wrap_angle(math::atan2(y, x) - leader.theta)};
 }
 
 Separation separation_rate(const Pose& leader, const Twist& leads, const Pose& follower, const Twist& follows,
@@ -29,8 +30,8 @@ Separation separation_rate(const Pose& leader, const Twist& leads, const Pose& f
   const Separation s = separation(leader, follower, ahead);
   const double gamma = gamma_of(leader, s.phi, follower);
   const double forward = follows.v, sideways = ahead * follows.omega;
-  return {forward * std::cos(gamma) + sideways * std::sin(gamma) - leads.v * std::cos(s.phi),
-          (-forward * std::sin(gamma) + sideways * std::cos(gamma) + leads.v * std::sin(s.phi)) / s.l - leads.omega};
+  return {forward * math::cos(gamma) + sideways * math::sin(gamma) - leads.v * math::cos(s.phi),
+          (-forward * math::sin(gamma) + sideways * math::cos(gamma) + leads.v * math::sin(s.phi)) / s.l - leads.omega};
 }
 
 void LeaderFollowerController::step(const ControllerInput& input, std::span<Twist> command,
@@ -62,13 +63,13 @@ void LeaderFollowerController::step(const ControllerInput& input, std::span<Twis
     const Twist leads{std::clamp(command[before].v, -v_max, v_max),
                       std::clamp(command[before].omega, -omega_max, omega_max)};
     const double l = std::max(now.l, nearest);
-    const double along = rate.l + input.parameters[alpha_l] * (wanted.l - now.l) + leads.v * std::cos(now.phi);
+    const double along = rate.l + input.parameters[alpha_l] * (wanted.l - now.l) + leads.v * math::cos(now.phi);
     const double across =
         l * (rate.phi + input.parameters[alpha_phi] * wrap_angle(wanted.phi - now.phi) + leads.omega) -
-        leads.v * std::sin(now.phi);
+        leads.v * math::sin(now.phi);
     const double gamma = gamma_of(input.poses[before], now.phi, input.poses[i]);
-    command[i] = {std::cos(gamma) * along - std::sin(gamma) * across,
-                  (std::sin(gamma) * along + std::cos(gamma) * across) / d};
+    command[i] = {math::cos(gamma) * along - math::sin(gamma) * across,
+                  (math::sin(gamma) * along + math::cos(gamma) * across) / d};
     logged[0] = now.l;
     logged[1] = now.phi;
   }

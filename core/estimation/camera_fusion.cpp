@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/math/elementary.h"
+
 namespace skein::core {
 
 CameraFusion::CameraFusion(std::size_t robots, std::size_t cameras, const FilterParameters& parameters, double bridge)
@@ -61,7 +63,7 @@ CameraFusion::Verdict CameraFusion::reconcile(std::size_t robot, std::size_t cam
   }
   const double seconds = m.captured_at - seen_before_at;
   const bool joins = !(seconds <= bridge_);
-  const double share = joins ? 0.0 : other == cameras_ ? std::exp(-seconds / fades) : 1.0;
+  const double share = joins ? 0.0 : other == cameras_ ? math::exp(-seconds / fades) : 1.0;
   seen.shift = {share * seen.shift.x, share * seen.shift.y, share * seen.shift.theta};
   if (joins) seen.learned = other < cameras_ ? 0 : frames_to_learn;
   if (seen.learned < frames_to_learn && other < cameras_ && align(seen, filter, m, now)) return {.agrees = false};

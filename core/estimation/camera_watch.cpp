@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/math/elementary.h"
+
 namespace skein::core {
 namespace {
 
@@ -15,7 +17,7 @@ constexpr double perspective = 0.15;  // what tilt makes of it at the borders of
 }  // namespace
 
 bool CameraWatch::Robot::displaced() const noexcept {
-  return std::hypot(change.x, change.y) > smallest + doubt.way + doubt.noise ||
+  return math::hypot(change.x, change.y) > smallest + doubt.way + doubt.noise ||
          lever * std::abs(change.theta) > smallest + doubt.turn + doubt.noise;
 }
 
@@ -35,9 +37,9 @@ void CameraWatch::see(std::size_t robot, const PoseFilter& filter, const FilterP
   if (!(m.captured_at - before.captured_at <= patience) || !filter.remembers(before.captured_at))
     return see(robot, m.pose, m.pose, m.captured_at, {});
   const Predictor::Way way = filter.way(before.captured_at, m.captured_at);
-  const double drift = way.driven * std::hypot(before.sigma_theta, parameters.slip);
-  const double noise = std::hypot(before.sigma_xy, drift, m.sigma_xy);
-  const double turn_noise = lever * std::hypot(before.sigma_theta, m.sigma_theta);
+  const double drift = way.driven * math::hypot(before.sigma_theta, parameters.slip);
+  const double noise = math::hypot(before.sigma_xy, drift, m.sigma_xy);
+  const double turn_noise = lever * math::hypot(before.sigma_theta, m.sigma_theta);
   see(robot, filter.predict(before, m.captured_at), m.pose, m.captured_at,
       {way.driven, lever * way.turned, unlikely * std::max(noise, turn_noise)});
 }
@@ -88,25 +90,26 @@ CameraWatch::Motion CameraWatch::fit() const noexcept {
     if (!counts(r)) continue;
     const double px = r.measured.x - r.change.x - motion.from.x, py = r.measured.y - r.change.y - motion.from.y;
     const double qx = r.measured.x - motion.to.x, qy = r.measured.y - motion.to.y;
-    dot += px * qx + py * qy + lever * lever * std::cos(r.change.theta);
-    cross += px * qy - py * qx + lever * lever * std::sin(r.change.theta);
+    const auto [sin, cos] = math::sincos(r.change.theta);
+    dot += px * qx + py * qy + lever * lever * cos;
+    cross += px * qy - py * qx + lever * lever * sin;
   }
-  motion.to.theta = std::atan2(cross, dot);
+  motion.to.theta = math::atan2(cross, dot);
   return motion;
 }
 
 /// What the motion makes of a tag that stood there.
 Pose CameraWatch::Motion::change_at(const Pose& before) const noexcept {
-  const double x = before.x - from.x, y = before.y - from.y, c = std::cos(to.theta), s = std::sin(to.theta);
+  const double x = before.x - from.x, y = before.y - from.y, c = math::cos(to.theta), s = math::sin(to.theta);
   return {c * x - s * y + to.x - before.x, s * x + c * y + to.y - before.y, to.theta};
 }
 
 bool CameraWatch::explains(const Motion& motion, const Robot& robot) const noexcept {
   const Pose change = motion.change_at({robot.measured.x - robot.change.x, robot.measured.y - robot.change.y, 0.0});
-  const double way = std::hypot(robot.change.x - change.x, robot.change.y - change.y);
+  const double way = math::hypot(robot.change.x - change.x, robot.change.y - change.y);
   const double turn = lever * std::abs(wrap_angle(robot.change.theta - change.theta));
   const double allowed = slack + robot.doubt.noise;
-  return way <= allowed + perspective * std::hypot(change.x, change.y) &&
+  return way <= allowed + perspective * math::hypot(change.x, change.y) &&
          turn <= allowed + perspective * lever * std::abs(change.theta);
 }
 
@@ -129,7 +132,7 @@ std::optional<CommonMotion> CameraWatch::moved(std::size_t least) noexcept {
   suspects_ = false;
   CommonMotion result{.tags = seen, .turn = motion.to.theta};
   for (const Robot& robot : robots_)
-    if (counts(robot)) result.distance += std::hypot(robot.change.x, robot.change.y) / static_cast<double>(seen);
+    if (counts(robot)) result.distance += math::hypot(robot.change.x, robot.change.y) / static_cast<double>(seen);
   return result;
 }
 

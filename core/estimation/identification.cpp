@@ -13,6 +13,7 @@
 
 #include "core/estimation/statistics.h"
 #include "core/kinematics/unicycle.h"
+#include "core/math/elementary.h"
 
 namespace skein::core {
 namespace {
@@ -54,8 +55,8 @@ struct Prior {
 Prior prior_of(const DifferentialDrive& believed) {
   Prior p;
   //        left           right            track                delay slip           tag: heading, ahead, left  noise
-  p.mean << std::log(believed.left_diameter()), std::log(believed.right_diameter()), std::log(believed.track), 0.1,
-      std::log(0.02), 0.0, 0.0, 0.0, std::log(1e-3), std::log(5e-3);
+  p.mean << math::log(believed.left_diameter()), math::log(believed.right_diameter()), math::log(believed.track), 0.1,
+      math::log(0.02), 0.0, 0.0, 0.0, math::log(1e-3), math::log(5e-3);
   p.sigma << 0.2, 0.2, 0.3, 0.3, 3.0, 0.2, 0.01, 0.01, 4.0, 4.0;
   return p;
 }
@@ -82,13 +83,13 @@ class Filter {
   void run(const Parameters& p, std::vector<Found>& found, std::vector<double>* headings = nullptr) {
     found.clear();
     if (headings) headings->clear();
-    const double left_step = pi / input_.believed.steps_per_turn * std::exp(p[at(Unknown::left_diameter)]);
-    const double right_step = pi / input_.believed.steps_per_turn * std::exp(p[at(Unknown::right_diameter)]);
-    const double track = std::exp(p[at(Unknown::track)]), delay = p[at(Unknown::delay)];
-    const double slip = std::exp(p[at(Unknown::slip)]), turned = p[at(Unknown::tag_heading)];
+    const double left_step = pi / input_.believed.steps_per_turn * math::exp(p[at(Unknown::left_diameter)]);
+    const double right_step = pi / input_.believed.steps_per_turn * math::exp(p[at(Unknown::right_diameter)]);
+    const double track = math::exp(p[at(Unknown::track)]), delay = p[at(Unknown::delay)];
+    const double slip = math::exp(p[at(Unknown::slip)]), turned = p[at(Unknown::tag_heading)];
     const double ahead = p[at(Unknown::tag_ahead)], aside = p[at(Unknown::tag_left)];
-    const double xy = std::exp(2.0 * p[at(Unknown::sigma_xy)]) + finest_xy * finest_xy;
-    const double theta_noise = std::exp(2.0 * p[at(Unknown::sigma_theta)]) + finest_theta * finest_theta;
+    const double xy = math::exp(2.0 * p[at(Unknown::sigma_xy)]) + finest_xy * finest_xy;
+    const double theta_noise = math::exp(2.0 * p[at(Unknown::sigma_theta)]) + finest_theta * finest_theta;
     const Matrix3 noise = Vector3(xy, xy, theta_noise).asDiagonal();
     const auto& knots = input_.wheels;
     std::size_t knot = 0;  // the first behind the time reached
@@ -102,7 +103,7 @@ class Filter {
       const Vector3 measured(seen.pose.x, seen.pose.y, seen.pose.theta);
       if (first || seen.anew) {
         first = false;
-        const double theta = measured[2] - turned, c = std::cos(theta), s = std::sin(theta);
+        const double theta = measured[2] - turned, c = math::cos(theta), s = math::sin(theta);
         state << measured[0] - ahead * c + aside * s, measured[1] - ahead * s - aside * c, theta;
         Matrix3 back = Matrix3::Identity();  // d state / d measured
         back(0, 2) = ahead * s + aside * c;
@@ -125,8 +126,8 @@ class Filter {
           const double left = left_step * share * (b.left - a.left), right = right_step * share * (b.right - a.right);
           const double turn = (right - left) / track, half = 0.5 * turn;
           const double chord = 0.5 * (left + right) * sinc(half);
-          state[0] += chord * std::cos(state[2] + half);
-          state[1] += chord * std::sin(state[2] + half);
+          state[0] += chord * math::cos(state[2] + half);
+          state[1] += chord * math::sin(state[2] + half);
           state[2] += turn;
           left_way += std::abs(left);
           right_way += std::abs(right);
@@ -138,7 +139,7 @@ class Filter {
         Matrix3 carry = Matrix3::Identity();
         carry(0, 2) = -(state[1] - before[1]);
         carry(1, 2) = state[0] - before[0];
-        const double middle = 0.5 * (before[2] + state[2]), c = std::cos(middle), s = std::sin(middle);
+        const double middle = 0.5 * (before[2] + state[2]), c = math::cos(middle), s = math::sin(middle);
         Eigen::Matrix<double, 3, 2> wheels;
         wheels << 0.5 * c, 0.5 * c, 0.5 * s, 0.5 * s, -1.0 / track, 1.0 / track;
         // A heading that is off half way on average moves the end sideways, too.
@@ -148,7 +149,7 @@ class Filter {
         const Eigen::Vector2d ways(scale * left_way * left_way, scale * right_way * right_way);
         covariance = carry * covariance * carry.transpose() + wheels * ways.asDiagonal() * wheels.transpose();
       }
-      const double c = std::cos(state[2]), s = std::sin(state[2]);
+      const auto [s, c] = math::sincos(state[2]);
       Matrix3 seen_by = Matrix3::Identity();
       seen_by(0, 2) = -ahead * s - aside * c;
       seen_by(1, 2) = ahead * c - aside * s;
@@ -183,7 +184,7 @@ class Search {
     double sum = 0.5 * (p - prior_.mean).cwiseQuotient(prior_.sigma).squaredNorm();
     for (std::size_t k = 0; k < found_.size(); ++k)
       if (used_[k])
-        sum += 0.5 * (std::log(found_[k].covariance.determinant()) +
+        sum += 0.5 * (math::log(found_[k].covariance.determinant()) +
                       found_[k].error.dot(found_[k].covariance.inverse() * found_[k].error));
     return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
   }
@@ -293,8 +294,8 @@ class Search {
     for (std::size_t k = 1; k < points.size(); ++k) {
       const auto [a, cost_a] = points[k - 1];
       const auto [b, cost_b] = points[k];
-      const double share_a = 0.5 * (b - a) * std::exp(best.cost - cost_a);
-      const double share_b = 0.5 * (b - a) * std::exp(best.cost - cost_b);
+      const double share_a = 0.5 * (b - a) * math::exp(best.cost - cost_a);
+      const double share_b = 0.5 * (b - a) * math::exp(best.cost - cost_b);
       mass += share_a + share_b;
       first += share_a * a + share_b * b;
       second += share_a * a * a + share_b * b * b;
@@ -470,9 +471,9 @@ Identification identify(const IdentificationInput& input) {
     const auto unknown = static_cast<Unknown>(i);
     const double sigma = std::sqrt(covariance(i, i));
     Estimate& e = result.estimates[i];
-    const auto value = [&](double parameter) { return logarithmic(unknown) ? std::exp(parameter) : parameter; };
+    const auto value = [&](double parameter) { return logarithmic(unknown) ? math::exp(parameter) : parameter; };
     e = {value(p[i]), value(p[i] - z_95 * sigma), value(p[i] + z_95 * sigma),
-         1.0 - std::pow(sigma / search.prior().sigma[i], 2)};
+         1.0 - math::pow(sigma / search.prior().sigma[i], 2)};
     if (unknown == Unknown::delay && delay) e.low = delay->low, e.high = delay->high;
     within(e, useful_width(unknown, e.value));
     for (std::size_t j = 0; j < unknowns; ++j)
@@ -488,7 +489,7 @@ Identification identify(const IdentificationInput& input) {
     const double sigma = std::sqrt(variance(covariance(l, l), covariance(r, r), covariance(l, r)));
     const Parameters& before = search.prior().sigma;
     const double value = share_left * p[l] + share_right * p[r];
-    return Estimate{std::exp(value), std::exp(value - z_95 * sigma), std::exp(value + z_95 * sigma),
+    return Estimate{math::exp(value), math::exp(value - z_95 * sigma), math::exp(value + z_95 * sigma),
                     1.0 - sigma * sigma / variance(before[l] * before[l], before[r] * before[r], 0.0)};
   };
   result.wheel_diameter = of_both(0.5, 0.5);
@@ -503,7 +504,7 @@ Identification identify(const IdentificationInput& input) {
   for (std::size_t pose = 1; pose < input.poses.size(); ++pose) {
     if (input.poses[pose].anew) continue;
     const Vector3& error = found[k].error;
-    const double c = std::cos(headings[k]), s = std::sin(headings[k]);
+    const auto [s, c] = math::sincos(headings[k]);
     result.innovations.push_back({input.poses[pose].t, c * error[0] + s * error[1], -s * error[0] + c * error[1],
                                   error[2], error.dot(found[k].covariance.inverse() * error), search.used()[k]});
     ++k;

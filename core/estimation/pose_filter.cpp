@@ -7,6 +7,7 @@
 
 #include "core/kinematics/differential_drive.h"
 #include "core/kinematics/unicycle.h"
+#include "core/math/elementary.h"
 
 namespace skein::core {
 namespace {
@@ -23,7 +24,7 @@ constexpr double surprising = 4.0;       // standard deviations that noise alone
 
 double PoseFilter::sigma_xy() const noexcept {
   const double a = covariance_(0, 0), b = covariance_(0, 1), c = covariance_(1, 1);
-  return std::sqrt(0.5 * (a + c) + std::hypot(0.5 * (a - c), b));
+  return std::sqrt(0.5 * (a + c) + math::hypot(0.5 * (a - c), b));
 }
 
 void PoseFilter::command(double acts_at, const Twist& twist) noexcept {
@@ -97,9 +98,9 @@ Measurement PoseFilter::carried(const FilterParameters& parameters, const Measur
 /// little more.
 bool PoseFilter::explains(const FilterParameters& parameters, const Predictor::Way& way,
                           const Measurement& m) const noexcept {
-  const double far = parameters.kidnap + way.driven + surprising * std::hypot(sigma_xy(), m.sigma_xy);
-  const double turned = parameters.kidnap / lever + way.turned + surprising * std::hypot(sigma_theta(), m.sigma_theta);
-  const double off = std::hypot(m.pose.x - pose_.x, m.pose.y - pose_.y);
+  const double far = parameters.kidnap + way.driven + surprising * math::hypot(sigma_xy(), m.sigma_xy);
+  const double turned = parameters.kidnap / lever + way.turned + surprising * math::hypot(sigma_theta(), m.sigma_theta);
+  const double off = math::hypot(m.pose.x - pose_.x, m.pose.y - pose_.y);
   const double turn = std::abs(wrap_angle(m.pose.theta - pose_.theta));
   return !(off > far || turn > turned);
 }
@@ -152,8 +153,7 @@ void PoseFilter::propagate(const FilterParameters& parameters, double time) noex
   const double along = parameters.slip * way.driven / std::sqrt(2.0);  // the mean of two wheels' errors
   const double heading = parameters.slip * (std::sqrt(2.0) * way.driven / DifferentialDrive{}.track + way.turned);
   const double across = 0.5 * heading * way.driven;
-  const double ux = std::cos(before.theta + 0.5 * wrap_angle(pose_.theta - before.theta));
-  const double uy = std::sin(before.theta + 0.5 * wrap_angle(pose_.theta - before.theta));
+  const auto [uy, ux] = math::sincos(before.theta + 0.5 * wrap_angle(pose_.theta - before.theta));
   const double a = along * along, c = across * across;
   covariance_(0, 0) += a * ux * ux + c * uy * uy + wander_xy * wander_xy * seconds;
   covariance_(0, 1) += (a - c) * ux * uy;

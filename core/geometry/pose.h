@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/math/elementary.h"
+
 namespace skein::core {
 
 inline constexpr double pi = std::numbers::pi;
@@ -33,7 +35,7 @@ struct Twist {
 
 /// The distance between two robots' midpoints. [m]
 inline double distance(const Pose& a, const Pose& b) noexcept {
-  return std::hypot(a.x - b.x, a.y - b.y);
+  return math::hypot(a.x - b.x, a.y - b.y);
 }
 
 }  // namespace skein::core

@@ -1,5 +1,7 @@
 #include "core/kinematics/unicycle.h"
 
+#include "core/math/elementary.h"
+
 namespace skein::core {
 
 double sinc(double a) noexcept {
@@ -7,7 +9,7 @@ double sinc(double a) noexcept {
   constexpr double series_below = 1e-3;
   const double a2 = a * a;
   if (std::abs(a) < series_below) return 1.0 - a2 / 6.0 * (1.0 - a2 / 20.0);
-  return std::sin(a) / a;
+  return math::sin(a) / a;
 }
 
 Pose advance(const Pose& pose, const Twist& twist, double dt) noexcept {
@@ -15,8 +17,8 @@ Pose advance(const Pose& pose, const Twist& twist, double dt) noexcept {
   const double half_turn = 0.5 * twist.omega * dt;
   const double chord = twist.v * dt * sinc(half_turn);
   const double direction = pose.theta + half_turn;
-  return {pose.x + chord * std::cos(direction), pose.y + chord * std::sin(direction),
-          wrap_angle(pose.theta + twist.omega * dt)};
+  const auto [sin, cos] = math::sincos(direction);
+  return {pose.x + chord * cos, pose.y + chord * sin, wrap_angle(pose.theta + twist.omega * dt)};
 }
 
 }  // namespace skein::core

@@ -5,6 +5,8 @@
 #include <limits>
 #include <numeric>
 
+#include "core/math/elementary.h"
+
 namespace skein::core {
 namespace {
 
@@ -67,7 +69,7 @@ bool Lattice::free(const Place& from, const Place& to, std::span<const Obstacle>
       std::abs(to.y) > std::max(most_.height, std::abs(from.y)) + 1e-9)
     return false;
   return std::all_of(obstacles.begin(), obstacles.end(), [&](const Obstacle& o) {
-    const double least = std::min(o.radius + keep_, std::hypot(from.x - o.x, from.y - o.y) - 1e-9);
+    const double least = std::min(o.radius + keep_, math::hypot(from.x - o.x, from.y - o.y) - 1e-9);
     return distance2_of(o, from, to) >= least * least - 1e-12;
   });
 }
@@ -91,7 +93,7 @@ void Lattice::measure_edges() noexcept {
       const std::size_t to = beyond(v, d);
       if (to == size() || (!moved_[v] && !moved_[to])) continue;
       const double dx = places_[to].x - places_[v].x, dy = places_[to].y - places_[v].y;
-      edges_[v * directions + d] = {std::hypot(dx, dy), std::atan2(dy, dx)};
+      edges_[v * directions + d] = {math::hypot(dx, dy), math::atan2(dy, dx)};
     }
   std::fill(moved_.begin(), moved_.end(), std::uint8_t{0});
 }
@@ -142,7 +144,7 @@ void Lattice::build(std::span<const Obstacle> obstacles, double more) noexcept {
     double room = clearance(best.x, best.y, close_);
     double to_obstacles = std::numeric_limits<double>::infinity();
     for (const Obstacle& o : close_)
-      to_obstacles = std::min(to_obstacles, std::hypot(best.x - o.x, best.y - o.y) - o.radius - keep_);
+      to_obstacles = std::min(to_obstacles, math::hypot(best.x - o.x, best.y - o.y) - o.radius - keep_);
     // The arena's edge alone moves no vertex.
     if (to_obstacles < beside && to_obstacles > -cell_)
       room = climb(v, best, room, [&](const Place& there) { return clearance(there.x, there.y, close_); });

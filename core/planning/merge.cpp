@@ -7,6 +7,7 @@
 
 #include "core/control/tracking_error.h"
 #include "core/kinematics/unicycle.h"
+#include "core/math/elementary.h"
 
 namespace skein::core {
 namespace {
@@ -43,15 +44,15 @@ double turned_to(double sign, double angle) noexcept {  // in [0, 2 pi)
 
 Twist homing(const ReferencePoint& place, const ReferencePoint& from, const ReferenceBounds& bounds,
              double dt) noexcept {
-  const double c = std::cos(place.pose.theta), s = std::sin(place.pose.theta);
+  const auto [s, c] = math::sincos(place.pose.theta);
   const double dx = from.pose.x - place.pose.x, dy = from.pose.y - place.pose.y;
   const double ahead = c * dx + s * dy, aside = c * dy - s * dx, off = wrap_angle(from.pose.theta - place.pose.theta);
   // Towards a point of the place's line, nearer the nearer it is to that line.
-  const double wanted_off = -std::atan2(aside, sight);
+  const double wanted_off = -math::atan2(aside, sight);
   const double omega_limit = bounds.omega_limit();
   const double omega =
       std::clamp(place.twist.omega + turn_gain * wrap_angle(wanted_off - off), -omega_limit, omega_limit);
-  const double along = std::max(std::cos(off), 0.3);
+  const double along = std::max(math::cos(off), 0.3);
   const double wanted = std::clamp((place.twist.v - catch_up * ahead) / along, 0.0, bounds.v_limit(omega));
   const double most = acceleration * dt;
   return {std::min(std::clamp(wanted, from.twist.v - most, from.twist.v + most),
@@ -137,8 +138,9 @@ bool Merge::plan(const Start& start, std::size_t kind, const ReferencePoint& to,
     end = advance(end, {-way, -turn * way}, 1.0);
   }
   const double r_1 = first == 0.0 ? 0.0 : 1.0 / first, r_2 = last == 0.0 ? 0.0 : 1.0 / last;
-  const double dx = end.x - r_2 * std::sin(end.theta) - start.at.x + r_1 * std::sin(start.at.theta);
-  const double dy = end.y + r_2 * std::cos(end.theta) - start.at.y - r_1 * std::cos(start.at.theta);
+  const auto from = math::sincos(start.at.theta), into = math::sincos(end.theta);
+  const double dx = end.x - r_2 * into.sin - start.at.x + r_1 * from.sin;
+  const double dy = end.y + r_2 * into.cos - start.at.y - r_1 * from.cos;
   const double h = r_2 - r_1, squared = dx * dx + dy * dy - h * h;
   if (squared < 0.0) return false;
   const double straight = std::sqrt(squared);
@@ -146,7 +148,7 @@ bool Merge::plan(const Start& start, std::size_t kind, const ReferencePoint& to,
   if (start.wait + (start.stands ? stops_ : 0.0) + straight / query_.pace.v > latest + rounding_of_times) return false;
   const bool nowhere = dx * dx + dy * dy < 1e-12;
   const double heading =
-      nowhere ? (first == 0.0 ? start.at.theta : end.theta) : std::atan2(dy, dx) - std::atan2(h, straight);
+      nowhere ? (first == 0.0 ? start.at.theta : end.theta) : math::atan2(dy, dx) - math::atan2(h, straight);
   course.start = &start;
   course.share = 1.0;
   course.count = 0;
@@ -243,7 +245,7 @@ bool Merge::clear(std::size_t k, const Route::Position& before, const Route::Pos
     const double dx = traffic_->x(j, k) - here.x, dy = traffic_->y(j, k) - here.y, squared = dx * dx + dy * dy;
     if (squared > near * near) continue;
     const double left = std::sqrt(squared) - keep;
-    const double was = std::hypot(traffic_->x(j, k - 1) - before.x, traffic_->y(j, k - 1) - before.y) - keep;
+    const double was = math::hypot(traffic_->x(j, k - 1) - before.x, traffic_->y(j, k - 1) - before.y) - keep;
     if (left < (was > 0.0 ? shrinks_ * was : was) - merge_rounding) return false;
   }
   return true;
@@ -331,7 +333,8 @@ bool Merge::search(std::size_t first, std::size_t last, bool few, std::size_t mo
   for (double t = time_step; t < end && work() < most; t += time_step) {
     if (leads_into_obstacle_[static_cast<std::size_t>(t / time_step)] != 0) continue;
     const ReferencePoint to = place(t);
-    if (std::hypot(to.pose.x - query_.from.x, to.pose.y - query_.from.y) > query_.pace.v * t + merge_rounding) continue;
+    if (math::hypot(to.pose.x - query_.from.x, to.pose.y - query_.from.y) > query_.pace.v * t + merge_rounding)
+      continue;
     trials_.clear();
     for (std::size_t s = first; s < last; ++s)
       for (std::size_t kind = turns_at_its_end(starts_[s]) ? 0 : bends; kind < kinds; ++kind) {
@@ -377,7 +380,7 @@ void Merge::go_aside() noexcept {
   for (const double radius : radii)
     for (std::size_t k = 0; k < directions; ++k) {
       const double heading = 2.0 * pi * static_cast<double>(k) / static_cast<double>(directions);
-      const Pose to{stop_.x + radius * std::cos(heading), stop_.y + radius * std::sin(heading), wrap_angle(heading)};
+      const Pose to{stop_.x + radius * math::cos(heading), stop_.y + radius * math::sin(heading), wrap_angle(heading)};
       if (!lattice_->free(to.x, to.y) || !lattice_->free({stop_.x, stop_.y}, {to.x, to.y})) continue;
       Start& start = starts_[start_count_];
       start = {true, wrap_angle(heading - stop_.theta), {}, 1, to, 0.0, 0.0, true};
@@ -394,7 +397,7 @@ void Merge::go_aside() noexcept {
 /// So far beside the place and behind it, with its heading.
 Pose Merge::beside(double t, double aside, double back) const noexcept {
   const Pose on = place(t).pose;
-  const double c = std::cos(on.theta), n = std::sin(on.theta);
+  const auto [n, c] = math::sincos(on.theta);
   return {on.x - back * c - aside * n, on.y - back * n + aside * c, on.theta};
 }
 
@@ -417,7 +420,7 @@ bool Merge::come_beside(const Start& from, double back, double aside, double aft
   double t = std::max(from.wait, after);
   while ((t += time_step) < std::min(look_ahead, query_.before)) {
     const Pose to = beside(t, aside, back);
-    if (std::hypot(to.x - stop_.x, to.y - stop_.y) > query_.pace.v * t + merge_rounding) continue;
+    if (math::hypot(to.x - stop_.x, to.y - stop_.y) > query_.pace.v * t + merge_rounding) continue;
     if (lattice_->free(to.x, to.y) && come_to(from, to, t, start)) return begins_clear(start);
   }
   return false;
@@ -436,7 +439,7 @@ double Merge::was_nearest() const noexcept {
   for (std::size_t k = 0; time_step * static_cast<double>(k) <= look_back; ++k) {
     const double t = -time_step * static_cast<double>(k);
     const Pose on = place(t).pose;
-    const double away = std::hypot(on.x - stop_.x, on.y - stop_.y);
+    const double away = math::hypot(on.x - stop_.x, on.y - stop_.y);
     if (away < least) least = away, nearest = t;
   }
   return nearest;
@@ -482,10 +485,11 @@ void Merge::follow_lane(double t, double aside, Start start) noexcept {
       if (v < drives || start.takes > look_ahead) return;
       if (t >= start.takes - back / v) break;
       const Pose here = beside(t, aside, 0.0), there = beside(t + time_step, aside, 0.0);
-      const double ahead = std::cos(here.theta) * (there.x - here.x) + std::sin(here.theta) * (there.y - here.y);
+      const auto [sin, cos] = math::sincos(here.theta);
+      const double ahead = cos * (there.x - here.x) + sin * (there.y - here.y);
       const double turn = wrap_angle(there.theta - here.theta);
       if (ahead < 1e-4) return;  // a corner narrower than the lane
-      const double length = std::abs(turn) < 1e-6 ? ahead : ahead * turn / std::sin(turn), curvature = turn / length;
+      const double length = std::abs(turn) < 1e-6 ? ahead : ahead * turn / math::sin(turn), curvature = turn / length;
       const double limit = std::min(query_.pace.v, query_.pace.omega / (query_.k_y + std::abs(curvature)));
       if (start.count == entered || std::abs(start.pieces[start.count - 1].curvature - curvature) > same_curvature) {
         if (start.count + 1 + curve_pieces > start.pieces.size()) return;
@@ -530,7 +534,7 @@ Merge::Way Merge::find(const Query& query, const Reference& reference, const Lat
   lattice_ = &lattice;
   traffic_ = &traffic;
   courses_ = samples_ = 0;
-  shrinks_ = std::exp(-0.95 * query.gamma * Traffic::step);
+  shrinks_ = math::exp(-0.95 * query.gamma * Traffic::step);
   knows_place_.fill(0);
   const double slow = slow_arc * query.pace.v;
   const double tight = std::max(0.0, query.pace.omega / slow - query.k_y);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/kinematics/unicycle.h"
+#include "core/math/elementary.h"
 
 namespace skein::core {
 namespace {
@@ -225,7 +226,7 @@ bool Planner::must_wait(std::size_t i, double ahead) noexcept {
   const double at = robot.clock + ahead, planned = robot.due + at;
   const Route::Position there = robot.route.position(at);
   const Pose here = on_route_[i];
-  const auto from_there = [&](const Route::Position& p) { return std::hypot(p.x - there.x, p.y - there.y); };
+  const auto from_there = [&](const Route::Position& p) { return math::hypot(p.x - there.x, p.y - there.y); };
   constexpr double less = 0.004, step = 0.1;
   constexpr double nearing = 0.005;  // of two that are nearer already, at most [m/s]
   for (std::size_t j = 0; j < n; ++j) {
@@ -288,7 +289,8 @@ void Planner::run_clock(std::size_t i, const Scene& scene, double dt) noexcept {
   if (lattice(i).room(here.x, here.y) < between_walls) {
     const Pose& pose = scene.poses[i];
     const Twist last = robot.route.twist(robot.clock - dt, dt), next = robot.route.twist(robot.clock, dt);
-    const double ahead = std::cos(pose.theta) * (here.x - pose.x) + std::sin(pose.theta) * (here.y - pose.y);
+    const auto [sin, cos] = math::sincos(pose.theta);
+    const double ahead = cos * (here.x - pose.x) + sin * (here.y - pose.y);
     const auto stop = [&](double off, double free) {
       robot.rate = std::min(robot.rate, std::clamp(2.0 - std::abs(off) / free, 0.0, 1.0));
     };

@@ -1,4 +1,5 @@
 // Whom to plan, when, and in what order.
+#include "core/math/elementary.h"
 #include "core/planning/planner.h"
 
 #include <algorithm>
@@ -61,7 +62,7 @@ void Planner::find_conflicts_of_all(const Scene& scene, std::span<const Referenc
       const std::size_t end = std::max(traffic_.still_from(i), traffic_.still_from(j));
       double least = never;
       for (std::size_t k = 0; k <= end; k += 2)
-        least = std::min(least, std::hypot(traffic_.x(i, k) - traffic_.x(j, k), traffic_.y(i, k) - traffic_.y(j, k)));
+        least = std::min(least, math::hypot(traffic_.x(i, k) - traffic_.x(j, k), traffic_.y(i, k) - traffic_.y(j, k)));
       if (least < keep_ - closer(i, j)) {
         if (rests(i, scene)) robots_[i].needs_plan = true;
         if (rests(j, scene)) robots_[j].needs_plan = true;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/math/elementary.h"
 #include "core/planning/planner.h"
 
 namespace skein::core {
@@ -131,7 +132,7 @@ bool Planner::gets_in_the_way(std::size_t i, std::size_t j, const Scene& scene) 
   std::size_t on_mine = 0, on_theirs = 0;
   for (double t = g.from[i]; t < end + Traffic::step;) {
     const Route::Position p = mine.position(t, on_mine), q = theirs.position(clock + t, on_theirs);
-    const double apart = std::hypot(p.x - q.x, p.y - q.y);
+    const double apart = math::hypot(p.x - q.x, p.y - q.y);
     if (t == g.from[i]) keep = std::min(keep, apart - 1e-3);
     if (apart < keep) return true;
     t += Traffic::step * std::max(1.0, std::floor((apart - keep) / (fastest * Traffic::step)));

@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/math/elementary.h"
 #include "core/planning/planner.h"
 
 namespace skein::core {
@@ -50,7 +51,7 @@ bool Planner::who_yields(std::size_t first, const Scene& scene, const Delay& del
   std::fill(m.yields.begin(), m.yields.end(), std::uint8_t{0});
   m.yields[first] = 1;
   const double keep_most = setup_.shield_distance + 0.004 + 2.0 * scene.doubt;
-  const double shrinks = std::exp(-0.95 * setup_.shield_gamma * Traffic::step);
+  const double shrinks = math::exp(-0.95 * setup_.shield_gamma * Traffic::step);
   const auto steps = std::min(Traffic::steps - 1, static_cast<std::size_t>((delay.ends() - scene.t) / Traffic::step));
   traffic_.copy(first, expected_, scene.t, delay);
   for (bool more = true; more;) {
@@ -68,7 +69,7 @@ bool Planner::who_yields(std::size_t first, const Scene& scene, const Delay& del
         double was = std::numeric_limits<double>::infinity();
         for (std::size_t k = 0; k <= steps && !more; ++k) {
           const double left =
-              std::hypot(traffic_.x(i, k) - expected_.x(j, k), traffic_.y(i, k) - expected_.y(j, k)) - keep;
+              math::hypot(traffic_.x(i, k) - expected_.x(j, k), traffic_.y(i, k) - expected_.y(j, k)) - keep;
           more = left < 0.0 && left < was - 1e-4 ? true : k > 0 && left < shrinks * was - 1e-4 && was > 0.0;
           was = left;
         }
@@ -94,7 +95,7 @@ void Planner::sort_who_comes(const Scene& scene) noexcept {
     for (std::size_t k = 0; k < m.count && expected_.present(j); ++k)
       for (std::size_t step = 0; step < last; ++step)
         if (robots_[j].state == State::nominal &&
-            std::hypot(expected_.x(j, step) - m.from[k].x, expected_.y(j, step) - m.from[k].y) <
+            math::hypot(expected_.x(j, step) - m.from[k].x, expected_.y(j, step) - m.from[k].y) <
                 keep - closer(j, m.robots[k])) {
           m.comes[j] = std::min(m.comes[j], step);
           m.urgent[k] = m.urgent[k] || step < soon;

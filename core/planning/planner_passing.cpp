@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/math/elementary.h"
 #include "core/planning/planner.h"
 
 namespace skein::core {
@@ -31,7 +32,7 @@ Pose Planner::expected_at(std::size_t j, double ahead, const Scene& scene,
 bool Planner::meets_nobody(std::size_t i, const Sidestep& way, const Scene& scene,
                            std::span<const ReferencePoint> nominal) noexcept {
   constexpr double step = 0.2, beyond = 0.004, reach = 0.06;
-  const double shrinks = std::exp(-0.95 * setup_.shield_gamma * step);
+  const double shrinks = math::exp(-0.95 * setup_.shield_gamma * step);
   std::array<Pose, 150> here;
   const auto count = std::min(here.size(), static_cast<std::size_t>((way.ends() - scene.t) / step) + 1);
   for (std::size_t k = 0; k < count; ++k) here[k] = way.pose(*reference_, i, scene.t + step * static_cast<double>(k));

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/kinematics/unicycle.h"
+#include "core/math/elementary.h"
 
 namespace skein::core {
 namespace {
@@ -32,7 +33,8 @@ void Route::stand(const Pose& pose) noexcept {
 
 Pose Route::stop(const Pose& pose, double v, const Pace& pace) noexcept {
   const double way = 0.5 * v * std::abs(v) / pace.acceleration;
-  return {pose.x + way * std::cos(pose.theta), pose.y + way * std::sin(pose.theta), pose.theta};
+  const auto [sin, cos] = math::sincos(pose.theta);
+  return {pose.x + way * cos, pose.y + way * sin, pose.theta};
 }
 
 double Route::stop_time(double v, const Pace& pace) noexcept {
@@ -113,8 +115,8 @@ bool Route::wait(double seconds) noexcept {
 void Route::add(const Segment& segment) noexcept {
   Segment& added = segments_[size_++] = segment;
   if (added.kind == Segment::Kind::turn || added.curvature != 0.0) return;
-  added.cos = std::cos(added.from.pose.theta);
-  added.sin = std::sin(added.from.pose.theta);
+  const auto [sin, cos] = math::sincos(added.from.pose.theta);
+  added.cos = cos, added.sin = sin;
 }
 
 bool Route::append(std::span<const Leg> legs, double heading, const Pace& pace) noexcept {
@@ -136,9 +138,9 @@ bool Route::append(std::span<const Leg> legs, double heading, const Pace& pace) 
     at_end = at(segment, segment.duration);
   };
   for (const Leg& leg : legs) {
-    const double dx = leg.x - at_end.pose.x, dy = leg.y - at_end.pose.y, way = std::hypot(dx, dy);
+    const double dx = leg.x - at_end.pose.x, dy = leg.y - at_end.pose.y, way = math::hypot(dx, dy);
     if (way < no_way) continue;
-    turn(std::atan2(dy, dx));
+    turn(math::atan2(dy, dx));
     Segment segment;
     segment.kind = Segment::Kind::drive;
     segment.t = std::max(t, leg.drives_at);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/math/elementary.h"
+
 namespace skein::core {
 namespace {
 
@@ -64,8 +66,8 @@ void RouteSearch::begin(const Query& query, const Traffic& traffic) noexcept {
       continue;
     }
     const std::size_t last = Traffic::steps - 1;
-    const double at_start = std::hypot(traffic.x(j, k0) - query.from.x, traffic.y(j, k0) - query.from.y);
-    const double at_end = std::hypot(traffic.x(j, last) - query.to.x, traffic.y(j, last) - query.to.y);
+    const double at_start = math::hypot(traffic.x(j, k0) - query.from.x, traffic.y(j, k0) - query.from.y);
+    const double at_end = math::hypot(traffic.x(j, last) - query.to.x, traffic.y(j, last) - query.to.y);
     constexpr double less = 1e-3, rounding = 1e-6;
     const double closer = query.smaller.empty() ? 0.0 : query.smaller[query.robot] + query.smaller[j];
     const double least = query.least - closer,
@@ -107,8 +109,8 @@ bool RouteSearch::direct() noexcept {
   const std::array<Lattice::Place, 2> points{place(start()), to};
   const double soonest =
       query_.begins +
-      query_.pace.turn_time(wrap_angle(std::atan2(to.y - query_.from.y, to.x - query_.from.x) - query_.from.theta)) +
-      query_.pace.drive_time(std::hypot(to.x - query_.from.x, to.y - query_.from.y)) + 1.0;
+      query_.pace.turn_time(wrap_angle(math::atan2(to.y - query_.from.y, to.x - query_.from.x) - query_.from.theta)) +
+      query_.pace.drive_time(math::hypot(to.x - query_.from.x, to.y - query_.from.y)) + 1.0;
   if (!lattice_->free(points[0], points[1]) ||
       !retime(points, {query_.begins, query_.from.theta}, soonest, legs_, arrival))
     return false;
@@ -126,7 +128,7 @@ bool RouteSearch::may_end(std::size_t vertex, std::size_t interval) noexcept {
     const Pose& other = query_.away_from[j];
     const double closer = query_.smaller.empty() ? 0.0 : query_.smaller[query_.robot] + query_.smaller[j];
     const bool own = j == query_.robot && (!query_.lets_pass || vertex == start());
-    if (!own && std::hypot(here.x - other.x, here.y - other.y) < query_.keep - closer) return false;
+    if (!own && math::hypot(here.x - other.x, here.y - other.y) < query_.keep - closer) return false;
   }
   return !query_.lets_pass || lets_pass(here);
 }
@@ -137,12 +139,12 @@ bool RouteSearch::lets_pass(const Lattice::Place& at) noexcept {
   constexpr std::size_t last = Traffic::steps - 1;
   const double reach = query_.keep + 3.0 * lattice_->cell();
   const auto from_there = [&](std::size_t v) {
-    return std::hypot(lattice_->place(v).x - at.x, lattice_->place(v).y - at.y);
+    return math::hypot(lattice_->place(v).x - at.x, lattice_->place(v).y - at.y);
   };
   const auto is_left = [&](std::size_t v) {
     const Lattice::Place& p = lattice_->place(v);
     return from_there(v) >= query_.keep && std::all_of(others_.begin(), others_.end(), [&](std::uint32_t j) {
-             return std::hypot(traffic_->x(j, last) - p.x, traffic_->y(j, last) - p.y) >= radius_[j];
+             return math::hypot(traffic_->x(j, last) - p.x, traffic_->y(j, last) - p.y) >= radius_[j];
            });
   };
   // Joined with one another, and with those from which they spread.
@@ -178,7 +180,7 @@ bool RouteSearch::lets_pass(const Lattice::Place& at) noexcept {
   // The others' places as well: there may be no vertex beside one at the end of a dead end.
   for (std::size_t j = 0; j < query_.away_from.size(); ++j) {
     const Lattice::Place to{query_.away_from[j].x, query_.away_from[j].y};
-    if (j == query_.robot || std::hypot(to.x - at.x, to.y - at.y) >= reach) continue;
+    if (j == query_.robot || math::hypot(to.x - at.x, to.y - at.y) >= reach) continue;
     bool was_joined = false, is_joined = false;
     lattice_->near(to.x, to.y, attach * lattice_->cell(), [&](std::size_t v) {
       if (seen_[v] + 1 < seen_now_ || !lattice_->free(lattice_->place(v), to)) return;
@@ -238,7 +240,7 @@ void RouteSearch::estimate() noexcept {
     if (exits_.size() == exits_.capacity() || !lattice_->free(lattice_->place(v), to)) return;
     exits_.push_back(static_cast<std::uint32_t>(v));
     is_exit_[v] = 1;
-    left_[v] = static_cast<float>(std::hypot(lattice_->place(v).x - to.x, lattice_->place(v).y - to.y));
+    left_[v] = static_cast<float>(math::hypot(lattice_->place(v).x - to.x, lattice_->place(v).y - to.y));
     open_.emplace_back(left_[v], static_cast<std::uint32_t>(v));
   });
   const auto later = [](const auto& a, const auto& b) { return a > b; };
@@ -374,7 +376,7 @@ void RouteSearch::expand(std::uint32_t node) noexcept {
     const std::size_t from = nodes_[n.parent].state / intervals_each / headings;
     const Lattice::Place before = place(from);
     theta = came < Lattice::directions ? lattice_->edge(from, came).heading
-                                       : std::atan2(here.y - before.y, here.x - before.x);
+                                       : math::atan2(here.y - before.y, here.x - before.x);
   }
   double waits = 0.0;  // at the start [s]
   const auto drive = [&](std::size_t to, std::size_t heading, const Lattice::Edge& edge) {
@@ -390,7 +392,7 @@ void RouteSearch::expand(std::uint32_t node) noexcept {
   };
   const auto line_to = [&](const Lattice::Place& there) {
     const double dx = there.x - here.x, dy = there.y - here.y;
-    return Lattice::Edge{std::hypot(dx, dy), std::atan2(dy, dx)};
+    return Lattice::Edge{math::hypot(dx, dy), math::atan2(dy, dx)};
   };
   if (begins) {
     // A robot that was put on an obstacle, or over the edge, has so much farther to the nearest vertex.
@@ -402,7 +404,7 @@ void RouteSearch::expand(std::uint32_t node) noexcept {
         if (left_[u] < unreached && lattice_->free(here, lattice_->place(u)))
           drive(u, headings - 1, line_to(lattice_->place(u)));
       });
-      if (query_.away_from.empty() && std::hypot(to.x - here.x, to.y - here.y) < attach * lattice_->cell() &&
+      if (query_.away_from.empty() && math::hypot(to.x - here.x, to.y - here.y) < attach * lattice_->cell() &&
           lattice_->free(here, to))
         drive(goal(), headings - 1, line_to(to));
     }
@@ -432,7 +434,7 @@ void RouteSearch::finish(std::uint32_t node) noexcept {
     const Node& n = nodes_[chain[k]];
     const Lattice::Place to = place(n.state / intervals_each / headings);
     const Lattice::Place from = place(nodes_[n.parent].state / intervals_each / headings);
-    const double direction = std::atan2(to.y - from.y, to.x - from.x);
+    const double direction = math::atan2(to.y - from.y, to.x - from.x);
     const bool goes_on =
         leg_count_ > 0 && std::abs(wrap_angle(direction - theta)) < 0.02 && n.leaves <= nodes_[n.parent].g + 1e-3f;
     if (goes_on) {
@@ -516,17 +518,17 @@ bool RouteSearch::clear(double x, double y, double t) const noexcept {
 /// Whether a robot that sets off along a line comes no nearer to any that is nearer at the start than the shield asks
 /// for: the shield would stop it for good, be it by a hundredth of a millimetre, which no sample of the line shows.
 bool RouteSearch::parts(const Lattice::Place& from, const Lattice::Place& to, double leaves, double arrives) noexcept {
-  const double way = std::hypot(to.x - from.x, to.y - from.y),
+  const double way = math::hypot(to.x - from.x, to.y - from.y),
                share = std::min(1.0, Traffic::step / (arrives - leaves));
   if (!(way > 0.0)) return true;
   const auto k = std::min(Traffic::steps - 2, static_cast<std::size_t>(leaves / Traffic::step));
   for (const std::uint32_t j : close_) {
     const double closer = query_.smaller.empty() ? 0.0 : query_.smaller[query_.robot] + query_.smaller[j];
-    const double x = traffic_->x(j, k) - from.x, y = traffic_->y(j, k) - from.y, d = std::hypot(x, y);
+    const double x = traffic_->x(j, k) - from.x, y = traffic_->y(j, k) - from.y, d = math::hypot(x, y);
     if (d >= query_.least - closer) continue;
     const double v_x = share * (to.x - from.x) - (traffic_->x(j, k + 1) - traffic_->x(j, k));
     const double v_y = share * (to.y - from.y) - (traffic_->y(j, k + 1) - traffic_->y(j, k));
-    if (v_x * x + v_y * y > -turned_off * std::hypot(v_x, v_y) * d + 1e-9) return false;
+    if (v_x * x + v_y * y > -turned_off * math::hypot(v_x, v_y) * d + 1e-9) return false;
   }
   return true;
 }
@@ -569,8 +571,8 @@ bool RouteSearch::stays_clear(const Lattice::Place& at, double t) noexcept {
 /// The soonest leg from a point to the next. False: there is none, or it arrives after `latest`.
 bool RouteSearch::append(const Lattice::Place& from, const Lattice::Place& to, bool last, double latest, Moment& at,
                          Leg& leg) noexcept {
-  const double way = std::hypot(to.x - from.x, to.y - from.y);
-  const double heading = way > 1e-6 ? std::atan2(to.y - from.y, to.x - from.x) : at.theta;
+  const double way = math::hypot(to.x - from.x, to.y - from.y);
+  const double heading = way > 1e-6 ? math::atan2(to.y - from.y, to.x - from.x) : at.theta;
   const double turned = at.t + query_.pace.turn_time(wrap_angle(heading - at.theta));
   const double takes = query_.pace.drive_time(way);
   double stood = at.t;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/math/elementary.h"
+
 namespace skein::core {
 namespace {
 
@@ -72,11 +74,12 @@ struct Moving {
 
 Moving beside(const Pose& place, const Twist& twist, double heading, double turning,
               const Sidestep::Aside& aside) noexcept {
-  const double c = std::cos(heading), s = std::sin(heading), by_turning = -aside.by * turning;
-  const double v_x = twist.v * std::cos(place.theta) + by_turning * c - aside.rate * s;
-  const double v_y = twist.v * std::sin(place.theta) + by_turning * s + aside.rate * c;
-  return {
-      {place.x - aside.by * s, place.y + aside.by * c, std::atan2(v_y, v_x)}, std::hypot(v_x, v_y), v_x * c + v_y * s};
+  const double c = math::cos(heading), s = math::sin(heading), by_turning = -aside.by * turning;
+  const double v_x = twist.v * math::cos(place.theta) + by_turning * c - aside.rate * s;
+  const double v_y = twist.v * math::sin(place.theta) + by_turning * s + aside.rate * c;
+  return {{place.x - aside.by * s, place.y + aside.by * c, math::atan2(v_y, v_x)},
+          math::hypot(v_x, v_y),
+          v_x * c + v_y * s};
 }
 
 }  // namespace
@@ -159,7 +162,7 @@ bool SidestepSearch::find_obstacles() noexcept {
 /// How far beside the place there is room, at that sample. [m]
 double SidestepSearch::needs(double side, std::size_t k) noexcept {
   const At& at = places_[k];
-  const double n_x = -side * std::sin(at.heading), n_y = side * std::cos(at.heading);
+  const double n_x = -side * math::sin(at.heading), n_y = side * math::cos(at.heading);
   double by = 0.0;
   while (by < farthest) {
     const double room = lattice_->room(at.pose.x + by * n_x, at.pose.y + by * n_y);
@@ -271,7 +274,7 @@ bool SidestepSearch::next(Sidestep& way) noexcept {
 bool SidestepSearch::fits(const Sidestep& way) noexcept {
   const auto last = static_cast<std::size_t>((way.ends() + settles - query_.t) / step) + 1;
   if (last + farthest_mean >= samples) return false;
-  const double shrinks = std::exp(-0.95 * query_.gamma * step);
+  const double shrinks = math::exp(-0.95 * query_.gamma * step);
   double room = 0.0;
   Moving before{};
   for (std::size_t k = 0; k <= last; ++k) {

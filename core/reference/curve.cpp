@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/math/elementary.h"
+
 namespace skein::core {
 namespace {
 
@@ -16,7 +18,7 @@ constexpr std::array<double, 5> weights{0.11846344252809454, 0.23931433524968324
 
 double Curve::speed(double u) const noexcept {
   const Point d = derivatives(u)[1];
-  return std::hypot(d.x, d.y);
+  return math::hypot(d.x, d.y);
 }
 
 double Curve::length_between(double from, double to) const noexcept {
@@ -48,7 +50,7 @@ PathPoint Curve::point(double u) const noexcept {
   const double curvature = cross / (square * v);
   const double cross_rate = d.x * ddd.y - ddd.x * d.y;  // by u
   const double rate = (cross_rate - 3.0 * cross * (d.x * dd.x + d.y * dd.y) / square) / (square * square);
-  return {{p.x, p.y, wrap_angle(std::atan2(d.y, d.x))}, curvature, rate};
+  return {{p.x, p.y, wrap_angle(math::atan2(d.y, d.x))}, curvature, rate};
 }
 
 PathPoint Curve::at(double s) const noexcept {
@@ -67,7 +69,7 @@ Ellipse::Ellipse(double width, double height) : a_(0.5 * width), b_(0.5 * height
 }
 
 Curve::Derivatives Ellipse::derivatives(double u) const noexcept {
-  const double c = std::cos(u), s = std::sin(u);
+  const auto [s, c] = math::sincos(u);
   return {{{a_ * c, b_ * s}, {-a_ * s, b_ * c}, {-a_ * c, -b_ * s}, {a_ * s, -b_ * c}}};
 }
 
@@ -76,7 +78,7 @@ Lemniscate::Lemniscate(double width, double height) : a_(0.5 * width), b_(0.5 * 
 }
 
 Curve::Derivatives Lemniscate::derivatives(double u) const noexcept {
-  const double c = std::cos(u), s = std::sin(u), c2 = std::cos(2.0 * u), s2 = std::sin(2.0 * u);
+  const double c = math::cos(u), s = math::sin(u), c2 = math::cos(2.0 * u), s2 = math::sin(2.0 * u);
   return {{{a_ * c, b_ * s2}, {-a_ * s, 2.0 * b_ * c2}, {-a_ * c, -4.0 * b_ * s2}, {a_ * s, -8.0 * b_ * c2}}};
 }
 
@@ -85,7 +87,7 @@ Spline::Spline(const std::vector<Point>& points, bool closed) : closed_(closed) 
   std::vector<double> h(chords);  // the chord from each point to the next
   for (std::size_t i = 0; i < chords; ++i) {
     const Point &from = points[i], &to = points[(i + 1) % n];
-    h[i] = std::hypot(to.x - from.x, to.y - from.y);
+    h[i] = math::hypot(to.x - from.x, to.y - from.y);
   }
   // The slopes m at the points that make the second derivative continuous:
   //   m_{i-1}/h_{i-1} + 2 m_i (1/h_{i-1} + 1/h_i) + m_{i+1}/h_i = 3 (D_{i-1}/h_{i-1} + D_i/h_i),  D the chords' slopes.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/math/elementary.h"
 #include "core/reference/blend.h"
 
 namespace skein::core {
@@ -35,8 +36,8 @@ Shape make_shape(ShapeName name, std::size_t robots, double spacing) {
         break;
       }
       case ShapeName::circle: {
-        const double radius = robots > 1 ? 0.5 * spacing / std::sin(0.5 * around) : 0.0;
-        shape.push_back({radius * std::cos(k * around), radius * std::sin(k * around)});
+        const double radius = robots > 1 ? 0.5 * spacing / math::sin(0.5 * around) : 0.0;
+        shape.push_back({radius * math::cos(k * around), radius * math::sin(k * around)});
         break;
       }
     }
@@ -63,7 +64,7 @@ Formation::Place Formation::place(std::size_t i, double t) const noexcept {
 }
 
 ReferencePoint Formation::at(const PathPoint& centre, const Place& p) const noexcept {
-  const double c = std::cos(centre.pose.theta), sine = std::sin(centre.pose.theta);
+  const auto [sine, c] = math::sincos(centre.pose.theta);
   const double x = p.place.x, y = p.place.y;
   const Pose there{centre.pose.x + c * x - sine * y, centre.pose.y + sine * x + c * y, centre.pose.theta};
 
@@ -74,9 +75,9 @@ ReferencePoint Formation::at(const PathPoint& centre, const Place& p) const noex
   const double a_y = omega_rate * x + omega * p.velocity.x + p.acceleration.y;
   const double square = v_x * v_x + v_y * v_y;
   if (square < 1e-24)  // it stands: its heading is the one with which it would drive on
-    return {{there.x, there.y, wrap_angle(there.theta + std::atan2(centre.curvature * x, 1.0 - centre.curvature * y))},
+    return {{there.x, there.y, wrap_angle(there.theta + math::atan2(centre.curvature * x, 1.0 - centre.curvature * y))},
             {}};
-  return {{there.x, there.y, wrap_angle(there.theta + std::atan2(v_y, v_x))},
+  return {{there.x, there.y, wrap_angle(there.theta + math::atan2(v_y, v_x))},
           {std::sqrt(square), omega + (v_x * a_y - a_x * v_y) / square}};
 }
 

@@ -1,12 +1,14 @@
 #include "core/reference/path.h"
 
+#include "core/math/elementary.h"
+
 namespace skein::core {
 namespace {
 
 /// The point at arc length s of a circle that is left counter-clockwise from the angle `from` (seen from its centre).
 PathPoint on_arc(double centre_x, double centre_y, double radius, double from, double s) noexcept {
   const double angle = from + s / radius;
-  return {{centre_x + radius * std::cos(angle), centre_y + radius * std::sin(angle), wrap_angle(angle + pi / 2.0)},
+  return {{centre_x + radius * math::cos(angle), centre_y + radius * math::sin(angle), wrap_angle(angle + pi / 2.0)},
           1.0 / radius};
 }
 

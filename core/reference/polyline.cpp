@@ -5,12 +5,13 @@
 #include <limits>
 
 #include "core/kinematics/unicycle.h"
+#include "core/math/elementary.h"
 
 namespace skein::core {
 namespace {
 
 double heading(const Point& from, const Point& to) noexcept {
-  return std::atan2(to.y - from.y, to.x - from.x);
+  return math::atan2(to.y - from.y, to.x - from.x);
 }
 
 /// How far the line turns at point i, left positive: not at all at an end. [rad]
@@ -22,12 +23,12 @@ double turn(const std::vector<Point>& points, bool closed, std::size_t i) noexce
 
 /// How much of each side an arc of radius 1 m takes at point i. [m]
 double tangent(const std::vector<Point>& points, bool closed, std::size_t i) noexcept {
-  return std::tan(0.5 * std::abs(turn(points, closed, i)));
+  return math::tan(0.5 * std::abs(turn(points, closed, i)));
 }
 
 double side(const std::vector<Point>& points, std::size_t i) noexcept {
   const Point &from = points[i], &to = points[(i + 1) % points.size()];
-  return std::hypot(to.x - from.x, to.y - from.y);
+  return math::hypot(to.x - from.x, to.y - from.y);
 }
 
 }  // namespace
@@ -46,7 +47,7 @@ Polyline::Polyline(const std::vector<Point>& points, double radius, bool closed)
   const std::size_t n = points.size(), sides = closed ? n : n - 1;
   for (std::size_t i = 0; i < sides; ++i) {
     const std::size_t next = (i + 1) % n;
-    const double theta = heading(points[i], points[next]), c = std::cos(theta), s = std::sin(theta);
+    const double theta = heading(points[i], points[next]), c = math::cos(theta), s = math::sin(theta);
     const double taken = radius * tangent(points, closed, i);
     const double left = side(points, i) - radius * tangent(points, closed, next);
     parts_.push_back({length_, {points[i].x + taken * c, points[i].y + taken * s, theta}, 0.0});

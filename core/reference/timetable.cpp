@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/math/elementary.h"
+
 namespace skein::core {
 
 Timetable::Timetable(const std::vector<TimedPoint>& points) {
@@ -49,9 +51,9 @@ ReferencePoint Timetable::at(double t) const noexcept {
   if (stands || square < nothing) {
     // Shortly after a stop the velocity points along the acceleration, shortly before one against it.
     const double sign = t >= times_.back() ? -1.0 : 1.0;
-    return {{place.x, place.y, wrap_angle(std::atan2(sign * acceleration.y, sign * acceleration.x))}, {}};
+    return {{place.x, place.y, wrap_angle(math::atan2(sign * acceleration.y, sign * acceleration.x))}, {}};
   }
-  return {{place.x, place.y, wrap_angle(std::atan2(velocity.y, velocity.x))},
+  return {{place.x, place.y, wrap_angle(math::atan2(velocity.y, velocity.x))},
           {std::sqrt(square), (velocity.x * acceleration.y - acceleration.x * velocity.y) / square}};
 }
 

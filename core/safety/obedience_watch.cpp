@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/math/elementary.h"
+
 namespace skein::core {
 namespace {
 
@@ -29,7 +31,7 @@ bool ObedienceWatch::see(const Robot& robot, const PoseFilter& filter, const Mea
   const double turned = wrap_angle(newest.pose.theta - first.pose.theta);
   const double heading = first.pose.theta + 0.5 * turned;
   const double v =
-      ((newest.pose.x - first.pose.x) * std::cos(heading) + (newest.pose.y - first.pose.y) * std::sin(heading)) /
+      ((newest.pose.x - first.pose.x) * math::cos(heading) + (newest.pose.y - first.pose.y) * math::sin(heading)) /
       seconds;
   motion_ = Twist{v, turned / seconds};
   const bool changed =

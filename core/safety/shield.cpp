@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/math/elementary.h"
+
 namespace skein::core {
 
 Shield::Shield(std::size_t robots, std::size_t obstacles)
@@ -17,10 +19,13 @@ void Shield::collect(const ShieldParameters& p, const Scene& scene) noexcept {
   const std::span<const double> v_limit = scene.v_limit, doubt = scene.doubt;
   const Sizes& sizes = scene.sizes;
   constraints_.clear();
-  for (std::size_t i = 0; i < poses.size(); ++i) cos_[i] = std::cos(poses[i].theta), sin_[i] = std::sin(poses[i].theta);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const auto [sin, cos] = math::sincos(poses[i].theta);
+    cos_[i] = cos, sin_[i] = sin;
+  }
   const auto add = [&](std::size_t i, std::size_t j, double dx, double dy, double keep, double fastest_closing,
                        bool moves) {
-    const double d = std::hypot(dx, dy);
+    const double d = math::hypot(dx, dy);
     // Two robots cannot close in faster than their limits: a pair with more room than that asks for nothing. Nor does
     // one whose distance is not known (NaN).
     if (!(p.gamma * (d - keep) < fastest_closing) || d == 0.0) return;

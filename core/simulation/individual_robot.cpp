@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/kinematics/unicycle.h"
+#include "core/math/elementary.h"
 
 namespace skein::core {
 
@@ -83,7 +84,7 @@ void IndividualRobot::step(double dt) {
 
 std::optional<Measurement> IndividualRobot::see() {
   const bool lost = camera_random_.uniform() < individual_.dropout;
-  const double c = std::cos(pose_.theta), s = std::sin(pose_.theta);
+  const auto [s, c] = math::sincos(pose_.theta);
   const double ahead = individual_.tag_ahead, left = individual_.tag_left;
   const double x = pose_.x + c * ahead - s * left + individual_.pose_noise * camera_random_.gaussian();
   const double y = pose_.y + s * ahead + c * left + individual_.pose_noise * camera_random_.gaussian();

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/math/elementary.h"
+
 namespace skein::core {
 namespace {
 
@@ -25,8 +27,8 @@ double Random::uniform() noexcept {
 double Random::gaussian() noexcept {
   // Box and Muller; 1 - uniform() is never 0. The second value of the pair is not kept: a draw depends on nothing but
   // its place.
-  const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));
-  return radius * std::cos(2.0 * std::numbers::pi * uniform());
+  const double radius = std::sqrt(-2.0 * math::log(1.0 - uniform()));
+  return radius * math::cos(2.0 * std::numbers::pi * uniform());
 }
 
 }  // namespace skein::core

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/kinematics/unicycle.h"
+#include "core/math/elementary.h"
 
 namespace skein::core {
 
@@ -57,7 +58,7 @@ void SimulatedRobot::step(double dt) noexcept {
   roll(rolled > 0.0 ? dt - rolled : dt, left_share, right_share);
   clock_ += dt;
 
-  const double slide = std::hypot(slide_x_, slide_y_);
+  const double slide = math::hypot(slide_x_, slide_y_);
   if (!(slide > 0.0)) return;
   // Coulomb's friction: the speed falls at a constant rate to nothing, however the time is cut into steps.
   const double until = std::min(dt, slide / friction);

@@ -159,7 +159,7 @@ TEST_F(Editor, WritesFieldsIntoTheTextAndLeavesTheRest) {
   QString expected = before;
   expected.replace(QStringLiteral("v_max = 0.1\n"), QStringLiteral("v_max = 0.09\n"));
   EXPECT_EQ(editor->text().toStdString(), expected.toStdString()) << "comments and order are the operator's";
-  EXPECT_TRUE(editor->is_valid());
+  EXPECT_TRUE(eventually([&] { return editor->is_valid(); }));
   text->undo();
   EXPECT_EQ(editor->text(), before);
 }

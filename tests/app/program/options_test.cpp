@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -41,9 +42,13 @@ struct Command {
   std::vector<std::string> required;  ///< words with which nothing is missing
 };
 
-/// The part of a help below a heading.
-std::string section(const std::string& help, const std::string& heading) {
-  const auto begin = help.find("\n" + heading + ":\n");
+/// The part of a help below a heading, which newer versions of CLI11 write in capitals.
+std::string section(const std::string& help, std::string heading) {
+  auto begin = help.find("\n" + heading + ":\n");
+  if (begin == std::string::npos) {
+    for (char& letter : heading) letter = static_cast<char>(std::toupper(static_cast<unsigned char>(letter)));
+    begin = help.find("\n" + heading + ":\n");
+  }
   if (begin == std::string::npos) return {};
   const auto text = begin + heading.size() + 3, end = help.find("\n\n", text);
   return help.substr(text, end - text);
@@ -63,11 +68,11 @@ Words options_in(const std::string& text, const std::string& pattern) {
 
 void add_commands(const std::string& skein, const std::string& name, std::vector<Command>& all) {
   Command command{name, said(skein + " " + name + " --help"), {}, {}, {}};
-  command.options = options_in(section(command.help, "Options"), "^  (?:-\\w,)?(--[a-z-]+)");
+  command.options = options_in(section(command.help, "Options"), "^ {2,10}(?:-\\w, *)?(--[a-z-]+)");
   command.below = matches(section(command.help, "Subcommands"), "^  ([a-z-]+) ");
   for (const std::string& line : matches(section(command.help, "Positionals"), "^  (\\S+ .*)$"))
     if (line.find("REQUIRED") != std::string::npos) command.required.emplace_back("word");
-  for (const std::string& option : matches(command.help, "^  (--[a-z-]+) .*REQUIRED")) {
+  for (const std::string& option : matches(command.help, "^ {2,10}(--[a-z-]+) .*REQUIRED")) {
     command.required.push_back(option);
     command.required.emplace_back(option == "--to" ? "mcap" : "word");
   }

@@ -173,16 +173,19 @@ TEST(FalseTags, OtherFamiliesAreNotOurs) {
 }
 
 TEST(FalseTags, TextureThatHappensToDecodeIsNoTag) {
-  // Floors on which AprilTag finds one by itself.
+  // Floors on which AprilTag 3.3 finds one by itself; 3.4.5 finds none on them.
+  std::size_t by_itself = 0;
   for (const std::uint64_t floor : {1149, 1215}) {
     SyntheticCamera camera(overhead_calibration(2.0, 1.5), {}, floor);
     Frame frame;
     camera.render({}, 0.0, frame);
     TagDetector as_it_comes({.least_likeness = -1.0});
-    EXPECT_EQ(as_it_comes.detect(frame).size(), 1U) << "or this test tests nothing";
+    by_itself += as_it_comes.detect(frame).size();
     TagDetector detector;
     EXPECT_EQ(detector.detect(frame).size(), 0U);
   }
+  if (by_itself == 0) GTEST_SKIP() << "this AprilTag finds no tags where there are none";
+  EXPECT_EQ(by_itself, 2U) << "or this test tests nothing";
 }
 
 TEST(FalseTags, TagsTooSmallForTheFitAreStillTags) {
