@@ -462,8 +462,9 @@ SweepSummary summarise(const Study& study, const std::vector<RunOutcome>& outcom
   std::map<std::int64_t, std::vector<RunOutcome>> by_robots;
   for (const RunOutcome& o : outcomes)
     if (o.failure.empty()) by_robots[o.robots].push_back(o);
+  if (by_robots.size() == 1) s.robots = by_robots.begin()->first;
   if (by_robots.size() > 1)
-    for (const auto& [robots, runs] : by_robots) s.by_robots.emplace_back(robots, summarise(study, runs));
+    for (const auto& [robots, runs] : by_robots) s.by_robots.push_back(summarise(study, runs));
   return s;
 }
 
@@ -501,8 +502,8 @@ std::string as_table_by_robots(const SweepSummary& summary) {
   std::string text =
       fmt::format("{:>6} {:>6} {:>10} {:>7} {:>9} {:>6} {:>6} {:>6} {:>13} {:>12}\n", "robots", "runs", "collisions",
                   "outside", "recovered", "p50", "p99", "max", "over_straight", "min_distance");
-  for (const auto& [robots, s] : summary.by_robots)
-    text += fmt::format("{:>6} {:>6} {:>10} {:>7} {:>9} {:>6.1f} {:>6.1f} {:>6.1f} {:>13.2f} {:>12.4f}\n", robots,
+  for (const SweepSummary& s : summary.by_robots)
+    text += fmt::format("{:>6} {:>6} {:>10} {:>7} {:>9} {:>6.1f} {:>6.1f} {:>6.1f} {:>13.2f} {:>12.4f}\n", s.robots,
                         s.runs, s.collisions, s.runs_outside, s.recovered, s.recovery_p50, s.recovery_p99,
                         s.recovery_max, s.over_straight_max, s.min_distance);
   return text;
@@ -510,7 +511,7 @@ std::string as_table_by_robots(const SweepSummary& summary) {
 
 std::string as_json(const SweepSummary& summary, const std::vector<std::pair<std::string, SweepSummary>>& compared) {
   Json all = json(summary);
-  for (const auto& [robots, runs] : summary.by_robots) all["by_robots"][std::to_string(robots)] = json(runs);
+  for (const SweepSummary& of : summary.by_robots) all["by_robots"][std::to_string(of.robots)] = json(of);
   for (const auto& [name, other] : compared) all["compare"][name] = json(other);
   return all.dump(2, ' ', false, Json::error_handler_t::replace);
 }

@@ -106,8 +106,9 @@ struct SweepSummary {
   double formation_first_share() const noexcept;
   double relative_first_share() const noexcept;
   std::vector<SweepSummary> control;  ///< of the same seeds, where the study has one
+  std::int64_t robots = 0;            ///< of all runs; 0 where runs differ
   /// Of the runs with each number of robots, in their order; empty where all runs have the same.
-  std::vector<std::pair<std::int64_t, SweepSummary>> by_robots;
+  std::vector<SweepSummary> by_robots;
 };
 SweepSummary summarise(const Study& study, const std::vector<RunOutcome>& outcomes,
                        const std::vector<RunOutcome>& control = {});

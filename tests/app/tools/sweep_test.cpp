@@ -392,12 +392,12 @@ TEST(Summary, ListsTheRunsWithEachNumberOfRobots) {
   const Study study = shipped("crowds.toml");
   const SweepSummary s = summarise(study, {five, four, failed, five});
   ASSERT_EQ(s.by_robots.size(), 2u);
-  EXPECT_EQ(s.by_robots[0].first, 4);
-  EXPECT_EQ(s.by_robots[0].second.runs, 1);
-  EXPECT_EQ(s.by_robots[0].second.over_straight_max, 1.5);
-  EXPECT_EQ(s.by_robots[1].first, 5);
-  EXPECT_EQ(s.by_robots[1].second.collisions, 2);
-  EXPECT_EQ(s.by_robots[1].second.recovery_max, 8.0);
+  EXPECT_EQ(s.by_robots[0].robots, 4);
+  EXPECT_EQ(s.by_robots[0].runs, 1);
+  EXPECT_EQ(s.by_robots[0].over_straight_max, 1.5);
+  EXPECT_EQ(s.by_robots[1].robots, 5);
+  EXPECT_EQ(s.by_robots[1].collisions, 2);
+  EXPECT_EQ(s.by_robots[1].recovery_max, 8.0);
   EXPECT_THAT(as_table_by_robots(s), HasSubstr("\n     5      2          2"));
   EXPECT_THAT(as_json(s), HasSubstr("\"by_robots\": {"));
   EXPECT_EQ(as_table_by_robots(summarise(study, {five, five})), "") << "all runs have the same number";
