@@ -15,11 +15,16 @@ bool begins_with_text(std::string_view bytes) noexcept {
   return std::abs(static_cast<std::int16_t>(low | high << 8)) > fastest_motor;
 }
 
+bool is_zeros(std::string_view line) noexcept {
+  return !line.empty() && line.find_first_not_of('\0') == std::string_view::npos;
+}
+
 }  // namespace
 
 void AsercomSession::begin() {
   parser_.clear();
   stops_unanswered_ = late_answers_ = 0;
+  zeros_returned_ = false;
   version_asked_ = !options_.ask_version || !counters_.version.empty();
   version_asked_at_ = -never;
 }
@@ -32,6 +37,7 @@ void AsercomSession::put_stop() {
   output_.assign(stop.begin(), stop.end());
   parser_.expect_lines();
   ++stops_unanswered_;
+  stop_asks();
   heard_since_stop_ = false;
 }
 
@@ -48,13 +54,13 @@ void AsercomSession::hear(std::span<const std::uint8_t> bytes, double now) {
   while (stops_unanswered_ > 0 && parser_.skip_stopped()) --stops_unanswered_;
   if (parser_.pending() == 0) return;
   // An answer has exactly so many bytes, and comes after the question has gone out.
-  if (!answer_due() || parser_.pending() > answer_size(asked())) return unasked(now);
+  if (!answer_due() || parser_.pending() > answer_size(asked())) return heard_unasked(now);
   const Question question = asked();
   const auto reply = parser_.next();
   if (!reply) {
     // The line "d" answers half a line "D,l,r" that a byte of ours has ended: the robot drives at speeds that were
     // never commanded.
-    if (stops_unanswered_ == 0 && begins_with_text(parser_.pending_text())) unasked(now);
+    if (stops_unanswered_ == 0 && begins_with_text(parser_.pending_text())) heard_unasked(now);
     return;
   }
   stops_unanswered_ = 0;  // what has not come by now is lost
@@ -76,36 +82,42 @@ void AsercomSession::read_lines(double now) {
           restarted();
         else if (reply->text.starts_with("v,"))
           read_version(reply->text.substr(2));
+        else if (reply->text == "S" && zeros_returned_)
+          stop_hears_itself();
+        else
+          stop_hears_other();
+        zeros_returned_ = is_zeros(reply->text);
         break;
       case Reply::Kind::wheels:  // no binary request is sent before the stop is answered
         break;
     }
   }
-  if (phase_ == Phase::up && parser_.pending() > 0 && !answer_due()) unasked(now);
+  if (phase_ == Phase::up && parser_.pending() > 0 && !answer_due()) heard_unasked(now);
 }
 
-void AsercomSession::unasked(double now) {
+void AsercomSession::heard_unasked(double now) {
   // Noise, or the greeting of a robot that restarts; what is still to come of either ends before the answer to the
   // stop.
   const bool greeting = is_greeting(parser_.pending_text());
   parser_.clear();
-  resynchronise("the robot sent unsolicited bytes", now);
+  unasked(now);
   if (greeting) restarted();
 }
 
 void AsercomSession::stop_answered(double now) {
   stops_unanswered_ = std::max(0, stops_unanswered_ - 1);
   heard_since_stop_ = true;
+  stop_hears_answer();
   // Answers come in the order of the requests: first those to stops from before the last speed command, which say
   // nothing about it. They must not put off the repetition of a stop that was lost either.
   if (late_answers_ > 0) {
     --late_answers_;
   } else {
+    if (!doubted() || !stop_acknowledged_) asked_at_ = now;
     stands(now);
-    asked_at_ = now;
   }
   // Answers to the repetitions are still to come: wait for them, or they would be taken for answers to requests.
-  if (stop_acknowledged_ && stops_unanswered_ == 0 && output_.empty()) all_answered(now);
+  if (!doubted() && stop_acknowledged_ && stops_unanswered_ == 0 && output_.empty()) all_answered(now);
 }
 
 void AsercomSession::all_answered(double now) {
@@ -125,6 +137,10 @@ void AsercomSession::all_answered(double now) {
 }
 
 void AsercomSession::no_answer_to_stop(double now) {
+  if (stop_acknowledged_ && output_.empty() && doubted()) {
+    if (believed(now)) all_answered(now);
+    return;
+  }
   // Answers to repetitions are missing, over a slow radio perhaps only late: it stands, and may be asked what it is.
   if (stop_acknowledged_ && output_.empty()) {
     if (now >= version_asked_at_ + options_.reply_timeout) return all_answered(now);

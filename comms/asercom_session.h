@@ -17,7 +17,7 @@ class AsercomSession final : public LinkSession {
   void no_answer_to_stop(double now) override;
 
   void read_lines(double now);
-  void unasked(double now);
+  void heard_unasked(double now);
   void stop_answered(double now);
   void all_answered(double now);
 
@@ -26,6 +26,7 @@ class AsercomSession final : public LinkSession {
   double version_asked_at_ = -never;
   int stops_unanswered_ = 0;       // stops whose answers may still come
   int late_answers_ = 0;           // how many of these were sent before the last speed command
+  bool zeros_returned_ = false;    // those that a stop begins with: an answer has none
   bool heard_since_stop_ = false;  // an answer to a stop came since the newest stop was sent
 };
 

@@ -12,7 +12,7 @@
 namespace skein::comms {
 namespace {
 
-constexpr std::string_view the_stop = "\nD,0,0\n";
+constexpr std::string_view the_stop = "\nD,0,0\n", the_line = "D,0,0";
 constexpr std::size_t khepera_answer = 256;
 
 /// The whole numbers behind "r,"; as far as they go.
@@ -58,10 +58,12 @@ void KheperaSession::put_stop() {
   stops_wanted_ = 2 + (awaited_ == 'd' ? 1 : 0);
   output_.assign(the_stop.begin(), the_stop.end());
   awaited_ = 'd';
+  stop_asks();
 }
 
 void KheperaSession::say(std::string text) {
   awaited_ = static_cast<char>(std::tolower(static_cast<unsigned char>(text.front())));
+  stop_asks();
   text += '\n';
   output_.assign(text.begin(), text.end());
 }
@@ -92,8 +94,8 @@ void KheperaSession::line(std::string_view text, double now) {
   if (phase_ != Phase::up) return;
   if (!output_.empty() || awaited_ == 0 || text.front() != awaited_) {
     awaited_ = 0;
-    return resynchronise(text == "$" ? "the robot did not understand a command" : "the robot sent unsolicited bytes",
-                         now);
+    if (text == "$") return resynchronise("the robot did not understand a command", now);
+    return unasked(now);
   }
   const std::vector<std::int64_t> numbers = numbers_in(text);
   if (awaited_ == 'r' && numbers.size() == 2)
@@ -112,7 +114,12 @@ void KheperaSession::line(std::string_view text, double now) {
 }
 
 void KheperaSession::stop_answered(std::string_view text, double now) {
-  if (stop_acknowledged_ && text.starts_with("b,")) {
+  if (text == the_line) return stop_hears_itself();
+  if (text == "d")
+    stop_hears_answer();
+  else if (text != "$")  // it may say so of the empty line that a stop begins with
+    stop_hears_other();
+  if (stop_acknowledged_ && !doubted() && text.starts_with("b,")) {
     read_version("Khepera IV " + std::string(text.substr(2)));
     return come_up(now);
   }
@@ -121,12 +128,17 @@ void KheperaSession::stop_answered(std::string_view text, double now) {
   if (text == "d" && --stops_wanted_ == 0) {
     stands(now);
     asked_at_ = now;
-    if (version_asked_) return come_up(now);
-    version_asked_ = true;
-    return say("B");
+    return doubted() ? void() : all_answered(now);
   }
-  if (output_.empty()) say("D,0,0");
+  if (output_.empty()) say(std::string(the_line));
   asked_at_ = now;
+}
+
+void KheperaSession::all_answered(double now) {
+  if (version_asked_) return come_up(now);
+  version_asked_ = true;
+  asked_at_ = now;
+  say("B");
 }
 
 void KheperaSession::come_up(double now) {
@@ -136,8 +148,9 @@ void KheperaSession::come_up(double now) {
 }
 
 void KheperaSession::no_answer_to_stop(double now) {
-  if (stop_acknowledged_) return come_up(now);  // it does not say its version
-  repeat_stop(now);
+  if (!stop_acknowledged_) return repeat_stop(now);
+  if (!doubted()) return come_up(now);  // it does not say its version
+  if (believed(now)) all_answered(now);
 }
 
 }  // namespace skein::comms

@@ -16,6 +16,11 @@ constexpr double jump_margin = 2000;  // [steps]
 // A stop is repeated at least so often: what a robot drives after its radio has come back. [s]
 constexpr double longest_stop_wait = 0.2;
 
+// Noise and restarts bring unasked bytes once or twice. An echo and a second robot bring them with every exchange.
+constexpr int too_often_unasked = 4;
+constexpr double unasked_within = 2.0;  // [s]
+constexpr int stops_to_believe = 2;
+
 }  // namespace
 
 double LinkSession::speed_of(WheelCommand command) const noexcept {
@@ -73,6 +78,7 @@ void LinkSession::send_stop(double now) {
   if (up()) down_since_ = now;
   count_way(now);
   question_.reset();
+  since_stop_ = {};
   put_stop();
   staged_ = {{}, told_ticket_, staged_.count + 1};
   told_.reset();
@@ -84,7 +90,8 @@ void LinkSession::send_stop(double now) {
 void LinkSession::repeat_stop(double now) {
   ++counters_.timeouts;
   owes_reply_ = true;
-  reason_ = fmt::format("no answer to the stop within {:g} s", stop_wait_);
+  stops_well_answered_ = 0;
+  reason_ = since_stop_.echo ? why_doubted() : fmt::format("no answer to the stop within {:g} s", stop_wait_);
   send_stop(now);
 }
 
@@ -98,6 +105,49 @@ void LinkSession::resynchronise(std::string reason, double now) {
   reason_ = std::move(reason);
   ++counters_.resynchronisations;
   send_stop(now);
+}
+
+void LinkSession::unasked(double now) {
+  if (now - unasked_since_ > unasked_within) {
+    unasked_since_ = now;
+    unasked_ = 0;
+  }
+  if (++unasked_ >= too_often_unasked) doubt();
+  resynchronise("the robot sent unsolicited bytes", now);
+}
+
+void LinkSession::doubt() noexcept {
+  if (!doubted_) stops_well_answered_ = asked_in_doubt_ = answers_in_doubt_ = 0;
+  doubted_ = true;
+}
+
+void LinkSession::stop_hears_itself() noexcept {
+  since_stop_.echo = true;
+  doubt();
+}
+
+std::string LinkSession::why_doubted() const {
+  if (since_stop_.echo) return "the line returns what is sent to it (an echo in its cable, adapter or radio)";
+  if (2 * answers_in_doubt_ > 3 * asked_in_doubt_)  // some may have been owed from before
+    return "each stop is answered more than once (does another robot hear the same line?)";
+  return "the robot sends unsolicited bytes again and again";
+}
+
+bool LinkSession::believed(double now) {
+  if (!doubted_) return true;
+  const bool once = since_stop_.answers == since_stop_.asked && !since_stop_.other && !since_stop_.echo;
+  stops_well_answered_ = once ? stops_well_answered_ + 1 : 0;
+  if (stops_well_answered_ >= stops_to_believe) {
+    doubted_ = false;
+    unasked_ = 0;
+    return true;
+  }
+  asked_in_doubt_ += since_stop_.asked;
+  answers_in_doubt_ += since_stop_.answers;
+  if (!once) reason_ = why_doubted();
+  owes_reply_ = true;
+  send_stop(now);
+  return false;
 }
 
 void LinkSession::received(std::span<const std::uint8_t> bytes, double now) {

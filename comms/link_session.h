@@ -106,7 +106,19 @@ class LinkSession {
   // --- What it does with it -----------------------------------------------------------------------------------------
   void send_stop(double now);
   void repeat_stop(double now);  ///< counts the time-out
-  void ask(double now);          ///< a question, no speeds
+  /// Bytes came that nobody had asked for. Again and again: it is doubted whether the line says what the robot says.
+  void unasked(double now);
+  /// While that is doubted, the link does not come up: a robot would be told by turns to drive and to stop. It comes up
+  /// when two stops in a row, and all that is sent with them, were answered exactly once.
+  bool doubted() const noexcept { return doubted_; }
+  void doubt() noexcept;
+  void stop_asks() noexcept { ++since_stop_.asked; }  ///< one answer more is due, until the next stop
+  void stop_hears_answer() noexcept { ++since_stop_.answers; }
+  void stop_hears_other() noexcept { since_stop_.other = true; }
+  void stop_hears_itself() noexcept;  ///< what was sent came back: this cannot be an answer
+  /// For the time-out of a stop that is acknowledged. False: the line is doubted further, and the stop is sent again.
+  bool believed(double now);
+  void ask(double now);  ///< a question, no speeds
   void resynchronise(std::string reason, double now);
   void restarted();
   /// The robot has read them between `since`, when it was asked, and now.
@@ -179,6 +191,20 @@ class LinkSession {
   double fastest_ = 0.0;                    // since the last confirmed question [m/s]
   double fastest_since_question_ = 0.0;     // since the newest question [m/s]
   double stop_flight_ = 0.0;                // time that a stop needs to arrive, from the round trips so far [s]
+
+  struct SinceStop {
+    int asked = 0, answers = 0;  // how many
+    bool other = false;          // lines that are none
+    bool echo = false;
+  };
+  std::string why_doubted() const;
+
+  SinceStop since_stop_;  // the newest
+  bool doubted_ = false;
+  int asked_in_doubt_ = 0, answers_in_doubt_ = 0;
+  int stops_well_answered_ = 0;  // in a row, while doubted
+  int unasked_ = 0;              // times, since
+  double unasked_since_ = -never;
 
   std::optional<Encoders> encoders_;  // the previous reading
   double encoders_at_ = 0.0;

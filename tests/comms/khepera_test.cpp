@@ -167,6 +167,49 @@ TEST(KheperaSession, WhatItDoesNotUnderstandLeadsToTheStop) {
   EXPECT_TRUE(lab.session.up());
 }
 
+/// Commands 25 times a second over a line that repeats what it carries. How often the robot began to drive.
+int drive_over(KheperaLab& lab, int answers, bool echo, int ticks) {
+  int starts = 0;
+  for (int tick = 0; tick < ticks; ++tick) {
+    lab.command(300, 300);
+    for (int exchange = 0; exchange < 8; ++exchange) {
+      const bool stood = lab.robot.told() == WheelSpeeds{};
+      const std::string sent = lab.take();
+      std::string heard = echo ? sent : "";
+      const std::string answer = ask(lab.robot, sent);
+      for (int k = 0; k < answers; ++k) heard += answer;
+      if (stood && lab.robot.told() != WheelSpeeds{}) ++starts;
+      lab.session.received(test::bytes(heard), lab.now);
+      lab.pass(0.005);
+    }
+  }
+  return starts;
+}
+
+TEST(KheperaSession, OverALineWithAnEchoARobotStandsAndTheReasonSaysSo) {
+  KheperaLab lab;
+  lab.session.opened(lab.now);
+  EXPECT_EQ(drive_over(lab, 1, true, 100), 0);
+  EXPECT_FALSE(lab.session.up());
+  EXPECT_EQ(lab.session.status(lab.now).reason,
+            "the line returns what is sent to it (an echo in its cable, adapter or radio)");
+  EXPECT_EQ(drive_over(lab, 1, false, 25), 1) << "it comes up when the echo ends";
+  EXPECT_TRUE(lab.session.up());
+}
+
+TEST(KheperaSession, ARobotThatAnswersEverythingTwiceStandsAndTheReasonSaysSo) {
+  KheperaLab lab({.ask_version = true});
+  lab.session.opened(lab.now);
+  EXPECT_LE(drive_over(lab, 2, false, 25), 4) << "a line too many may be noise";
+  EXPECT_EQ(drive_over(lab, 2, false, 100), 0);
+  EXPECT_FALSE(lab.session.up());
+  EXPECT_EQ(lab.robot.told(), WheelSpeeds{});
+  EXPECT_EQ(lab.session.status(lab.now).reason,
+            "each stop is answered more than once (does another robot hear the same line?)");
+  EXPECT_EQ(drive_over(lab, 1, false, 25), 1);
+  EXPECT_TRUE(lab.session.up());
+}
+
 TEST(KheperaSession, ComesUpAfterAnyRadioFaults) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     const std::vector<Fault> faults{{.kind = FaultKind::corruption, .at = 1.0, .duration = 3.0, .share = 0.1},

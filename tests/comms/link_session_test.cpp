@@ -531,6 +531,80 @@ TEST(LinkSession, UnaskedBytesBehindTheStopsAnswerLeadToTheStopAgain) {
   EXPECT_EQ(lab.take(), exact_stop);
 }
 
+/// What a line makes of an exchange: which bytes come back for what was sent and what the robot answered to it.
+using Line = Bytes (*)(const Bytes& sent, const Bytes& answer);
+const Line as_it_is = [](const Bytes&, const Bytes& answer) { return answer; };
+const Line echoing = [](const Bytes& sent, const Bytes& answer) {
+  Bytes both = sent;
+  both.insert(both.end(), answer.begin(), answer.end());
+  return both;
+};
+const Line answering_twice = [](const Bytes&, const Bytes& answer) {
+  Bytes both = answer;
+  both.insert(both.end(), answer.begin(), answer.end());
+  return both;
+};
+
+/// Commands 25 times a second. How often the robot began to drive.
+int drive_over(Lab& lab, Line line, int ticks) {
+  int starts = 0;
+  for (int tick = 0; tick < ticks; ++tick) {
+    lab.command(300, 300);
+    for (int exchange = 0; exchange < 8; ++exchange) {
+      const bool stood = lab.robot.wheels() == core::WheelSpeeds{};
+      Bytes answer;
+      const Bytes sent = lab.take();
+      lab.robot.receive(sent, answer);
+      if (stood && lab.robot.wheels() != core::WheelSpeeds{}) ++starts;
+      lab.session.received(line(sent, answer), lab.now);
+      lab.pass(0.005);
+    }
+  }
+  return starts;
+}
+
+TEST(LinkSession, OverALineWithAnEchoARobotStandsAndTheReasonSaysSo) {
+  Lab lab;
+  lab.session.opened(lab.now);
+  EXPECT_EQ(drive_over(lab, echoing, 100), 0);
+  EXPECT_FALSE(lab.session.up());
+  EXPECT_EQ(lab.session.status(lab.now).reason,
+            "the line returns what is sent to it (an echo in its cable, adapter or radio)");
+  EXPECT_TRUE(lab.session.stop_acknowledged()) << "its own answers are heard all the same";
+
+  EXPECT_EQ(drive_over(lab, as_it_is, 25), 1) << "it comes up when the echo ends";
+  EXPECT_TRUE(lab.session.up());
+  lab.session.stop(lab.now);
+  EXPECT_LE(drive_over(lab, echoing, 25), 4) << "an echo that begins while it drives is not known at once";
+  EXPECT_EQ(drive_over(lab, echoing, 100), 0);
+  EXPECT_EQ(lab.robot.wheels(), core::WheelSpeeds{});
+}
+
+TEST(LinkSession, OverAnEchoWithoutARobotTheReasonIsTheEcho) {
+  Lab lab;
+  lab.session.opened(lab.now);
+  for (int k = 0; k < 20; ++k) {
+    lab.session.received(lab.take(), lab.now);
+    lab.pass(0.1);
+  }
+  EXPECT_FALSE(lab.session.stop_acknowledged());
+  EXPECT_EQ(lab.session.status(lab.now).reason,
+            "the line returns what is sent to it (an echo in its cable, adapter or radio)");
+}
+
+TEST(LinkSession, ARobotThatAnswersEverythingTwiceStandsAndTheReasonSaysSo) {
+  Lab lab;
+  lab.session.opened(lab.now);
+  EXPECT_LE(drive_over(lab, answering_twice, 25), 4) << "a byte too many may be noise";
+  EXPECT_EQ(drive_over(lab, answering_twice, 100), 0);
+  EXPECT_FALSE(lab.session.up());
+  EXPECT_EQ(lab.robot.wheels(), core::WheelSpeeds{});
+  EXPECT_EQ(lab.session.status(lab.now).reason,
+            "each stop is answered more than once (does another robot hear the same line?)");
+  EXPECT_EQ(drive_over(lab, as_it_is, 25), 1);
+  EXPECT_TRUE(lab.session.up());
+}
+
 // Whatever goes wrong on the line, once it is quiet the link comes up and does as it is told.
 TEST(LinkSession, RecoversFromAnything) {
   test::holds("after losses, noise, restarts and stops the link works again", [] {
