@@ -37,7 +37,6 @@ void AsercomSession::put_stop() {
   output_.assign(stop.begin(), stop.end());
   parser_.expect_lines();
   ++stops_unanswered_;
-  stop_asks();
   heard_since_stop_ = false;
 }
 
@@ -83,9 +82,9 @@ void AsercomSession::read_lines(double now) {
         else if (reply->text.starts_with("v,"))
           read_version(reply->text.substr(2));
         else if (reply->text == "S" && zeros_returned_)
-          stop_hears_itself();
+          stop_hears("S", {}, "S");
         else
-          stop_hears_other();
+          stop_hears(reply->text, {}, {});
         zeros_returned_ = is_zeros(reply->text);
         break;
       case Reply::Kind::wheels:  // no binary request is sent before the stop is answered
@@ -107,7 +106,7 @@ void AsercomSession::heard_unasked(double now) {
 void AsercomSession::stop_answered(double now) {
   stops_unanswered_ = std::max(0, stops_unanswered_ - 1);
   heard_since_stop_ = true;
-  stop_hears_answer();
+  stop_hears("s", "s", {});
   // Answers come in the order of the requests: first those to stops from before the last speed command, which say
   // nothing about it. They must not put off the repetition of a stop that was lost either.
   if (late_answers_ > 0) {

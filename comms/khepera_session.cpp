@@ -58,12 +58,10 @@ void KheperaSession::put_stop() {
   stops_wanted_ = 2 + (awaited_ == 'd' ? 1 : 0);
   output_.assign(the_stop.begin(), the_stop.end());
   awaited_ = 'd';
-  stop_asks();
 }
 
 void KheperaSession::say(std::string text) {
   awaited_ = static_cast<char>(std::tolower(static_cast<unsigned char>(text.front())));
-  stop_asks();
   text += '\n';
   output_.assign(text.begin(), text.end());
 }
@@ -94,8 +92,7 @@ void KheperaSession::line(std::string_view text, double now) {
   if (phase_ != Phase::up) return;
   if (!output_.empty() || awaited_ == 0 || text.front() != awaited_) {
     awaited_ = 0;
-    if (text == "$") return resynchronise("the robot did not understand a command", now);
-    return unasked(now);
+    return text == "$" ? resynchronise("the robot did not understand a command", now) : unasked(now);
   }
   const std::vector<std::int64_t> numbers = numbers_in(text);
   if (awaited_ == 'r' && numbers.size() == 2)
@@ -114,11 +111,7 @@ void KheperaSession::line(std::string_view text, double now) {
 }
 
 void KheperaSession::stop_answered(std::string_view text, double now) {
-  if (text == the_line) return stop_hears_itself();
-  if (text == "d")
-    stop_hears_answer();
-  else if (text != "$")  // it may say so of the empty line that a stop begins with
-    stop_hears_other();
+  if (!stop_hears(text, "d", the_line)) return;
   if (stop_acknowledged_ && !doubted() && text.starts_with("b,")) {
     read_version("Khepera IV " + std::string(text.substr(2)));
     return come_up(now);
@@ -128,20 +121,14 @@ void KheperaSession::stop_answered(std::string_view text, double now) {
   if (text == "d" && --stops_wanted_ == 0) {
     stands(now);
     asked_at_ = now;
-    return doubted() ? void() : all_answered(now);
+    return doubted() ? void() : come_up(now);
   }
-  if (output_.empty()) say(std::string(the_line));
+  if (output_.empty()) stop_asks(), say(std::string(the_line));
   asked_at_ = now;
-}
-
-void KheperaSession::all_answered(double now) {
-  if (version_asked_) return come_up(now);
-  version_asked_ = true;
-  asked_at_ = now;
-  say("B");
 }
 
 void KheperaSession::come_up(double now) {
+  if (!std::exchange(version_asked_, true)) return asked_at_ = now, say("B");
   awaited_ = 0;
   synchronised();
   send_pending(now);
@@ -149,8 +136,7 @@ void KheperaSession::come_up(double now) {
 
 void KheperaSession::no_answer_to_stop(double now) {
   if (!stop_acknowledged_) return repeat_stop(now);
-  if (!doubted()) return come_up(now);  // it does not say its version
-  if (believed(now)) all_answered(now);
+  if (believed(now)) come_up(now);  // perhaps it does not say its version
 }
 
 }  // namespace skein::comms

@@ -44,7 +44,6 @@ class KheperaSession final : public LinkSession {
   void line(std::string_view text, double now);
   void stop_answered(std::string_view text, double now);
   void say(std::string text);
-  void all_answered(double now);
   void come_up(double now);
 
   std::string heard_;              // the start of a line that has not ended

@@ -74,6 +74,7 @@ void LinkSession::send_stop(double now) {
   const bool again = phase_ == Phase::synchronising;
   stop_wait_ = again ? std::min({2.0 * stop_wait_, longest_stop_wait, options_.reply_timeout})
                      : std::min(options_.stop_repeat, options_.reply_timeout);
+  if (!again) unanswered_since_ = now;
   if (phase_ == Phase::up && !question_) silent_since_ = now;
   if (up()) down_since_ = now;
   count_way(now);
@@ -91,7 +92,8 @@ void LinkSession::repeat_stop(double now) {
   ++counters_.timeouts;
   owes_reply_ = true;
   stops_well_answered_ = 0;
-  reason_ = since_stop_.echo ? why_doubted() : fmt::format("no answer to the stop within {:g} s", stop_wait_);
+  reason_ =
+      since_stop_.echo ? why_doubted() : fmt::format("no answer to the stop within {:.1f} s", now - unanswered_since_);
   send_stop(now);
 }
 
@@ -121,9 +123,15 @@ void LinkSession::doubt() noexcept {
   doubted_ = true;
 }
 
-void LinkSession::stop_hears_itself() noexcept {
-  since_stop_.echo = true;
-  doubt();
+bool LinkSession::stop_hears(std::string_view line, std::string_view answer, std::string_view itself) noexcept {
+  const bool echo = !itself.empty() && line == itself;
+  if (echo)
+    since_stop_.echo = true, doubt();
+  else if (!answer.empty() && line == answer)
+    ++since_stop_.answers;
+  else if (line != "$")  // a Khepera IV may say so of the empty line that a stop begins with
+    since_stop_.other = true;
+  return !echo;
 }
 
 std::string LinkSession::why_doubted() const {
@@ -169,6 +177,7 @@ void LinkSession::synchronised() {
 
 void LinkSession::stands(double now) {
   stop_acknowledged_ = true;
+  unanswered_since_ = now;
   count_way(now);
   confirmed_way_ = way_;
   fastest_ = fastest_since_question_ = 0.0;

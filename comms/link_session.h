@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "comms/asercom.h"
@@ -112,10 +113,10 @@ class LinkSession {
   /// when two stops in a row, and all that is sent with them, were answered exactly once.
   bool doubted() const noexcept { return doubted_; }
   void doubt() noexcept;
-  void stop_asks() noexcept { ++since_stop_.asked; }  ///< one answer more is due, until the next stop
-  void stop_hears_answer() noexcept { ++since_stop_.answers; }
-  void stop_hears_other() noexcept { since_stop_.other = true; }
-  void stop_hears_itself() noexcept;  ///< what was sent came back: this cannot be an answer
+  /// With the stop another line is sent that is answered once.
+  void stop_asks() noexcept { ++since_stop_.asked; }
+  /// A line came. False: it is what was sent, `itself`, which no robot says.
+  bool stop_hears(std::string_view line, std::string_view answer, std::string_view itself) noexcept;
   /// For the time-out of a stop that is acknowledged. False: the line is doubted further, and the stop is sent again.
   bool believed(double now);
   void ask(double now);  ///< a question, no speeds
@@ -177,11 +178,12 @@ class LinkSession {
   std::uint16_t told_ticket_ = 0;
   std::optional<Asked> question_;
   int sent_since_question_ = 0;
-  double silent_since_ = 0.0;    // time of the last request or input
-  double down_since_ = -never;   // not up since then
-  double commanded_at_ = 0.0;    // time of the newest command
-  bool moving_allowed_ = false;  // a command was sent and no stop since: command silence must stop the robot
-  double stop_wait_ = 0.0;       // until the stop is sent again [s]
+  double silent_since_ = 0.0;      // time of the last request or input
+  double down_since_ = -never;     // not up since then
+  double commanded_at_ = 0.0;      // time of the newest command
+  bool moving_allowed_ = false;    // a command was sent and no stop since: command silence must stop the robot
+  double stop_wait_ = 0.0;         // until the stop is sent again [s]
+  double unanswered_since_ = 0.0;  // the first stop after which none was answered
   bool garbled_ = false;
   std::uint16_t answered_ticket_ = 0;
   Written staged_, written_;  // in the output; gone
@@ -193,7 +195,7 @@ class LinkSession {
   double stop_flight_ = 0.0;                // time that a stop needs to arrive, from the round trips so far [s]
 
   struct SinceStop {
-    int asked = 0, answers = 0;  // how many
+    int asked = 1, answers = 0;  // how many
     bool other = false;          // lines that are none
     bool echo = false;
   };

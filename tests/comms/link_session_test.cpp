@@ -97,6 +97,20 @@ TEST(LinkSession, RepeatsTheStopUntilItIsAnswered) {
   EXPECT_TRUE(lab.session.up());
 }
 
+TEST(LinkSession, OfASilentRobotTheReasonSaysHowLongItHasBeenAsked) {
+  Lab lab;
+  lab.session.opened(lab.now);
+  while (lab.now < 1015.0) {
+    lab.take();
+    lab.pass(0.1);
+  }
+  EXPECT_EQ(lab.session.status(lab.now).reason, "no answer to the stop within 14.9 s");
+  lab.session.lost("test", lab.now);
+  lab.session.opened(lab.now);
+  lab.pass();
+  EXPECT_EQ(lab.session.status(lab.now).reason, "no answer to the stop within 0.1 s") << "on the new link";
+}
+
 TEST(LinkSession, DoesNotWaitForeverForAnswersToRepetitions) {
   Lab lab;
   lab.session.opened(lab.now);
