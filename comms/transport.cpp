@@ -16,6 +16,7 @@
 #include <system_error>
 #include <utility>
 
+#include "comms/device_holder.h"
 #include "comms/protocol.h"
 #include "comms/rfcomm.h"
 
@@ -24,6 +25,11 @@ namespace {
 
 tl::unexpected<TransportError> fail(int error, const LinkAddress& address) {
   return tl::unexpected(describe_transport_error(error, address));
+}
+
+tl::unexpected<TransportError> held_by(const std::string& holder) {
+  return tl::unexpected(TransportError{
+      fmt::format("{} is using the device", holder.empty() ? std::string("another program") : holder), false});
 }
 
 bool nothing_now(int error) {
@@ -42,6 +48,12 @@ bool make_raw(int descriptor) {
   settings.c_cc[VMIN] = 1;  // with 0 a read of an empty line would look like a hang-up
   settings.c_cc[VTIME] = 0;
   return ::tcsetattr(descriptor, TCSANOW, &settings) == 0 && ::tcflush(descriptor, TCIOFLUSH) == 0;
+}
+
+/// Whether a program has it for itself (TIOCEXCL, as ModemManager does). The superuser may open it all the same.
+bool is_exclusive(int terminal) noexcept {
+  int exclusive = 0;
+  return ::ioctl(terminal, TIOCGEXCL, &exclusive) == 0 && exclusive != 0;
 }
 
 /// Asked whether it has input, a terminal that has none waits until a kernel thread of ordinary priority has passed on
@@ -165,11 +177,16 @@ tl::expected<Transport, TransportError> Transport::open(const LinkAddress& addre
 }
 
 tl::expected<Transport, TransportError> Transport::open_serial(const LinkAddress& address) {
+  // Before it is opened: two readers of one line would each take some of its bytes.
+  if (const std::string holder = holder_by_lock_file(address.device); !holder.empty()) return held_by(holder);
   const int descriptor = ::open(address.device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  if (descriptor < 0 && errno == EBUSY) return held_by(holder_by_opening(address.device));
   if (descriptor < 0) return fail(errno, address);
   Transport transport(descriptor, /*connecting=*/false, address);  // closes the descriptor on the ways out below
   if (::isatty(descriptor) == 0) return fail(ENOTTY, address);
-  if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) return fail(errno, address);
+  if (is_exclusive(descriptor)) return held_by(holder_by_opening(address.device));
+  if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0)
+    return nothing_now(errno) ? held_by(holder_by_flock(descriptor)) : fail(errno, address);
   if (!make_raw(descriptor)) return fail(errno, address);
   transport.input_ = told_of_input(descriptor);
   transport.connected();

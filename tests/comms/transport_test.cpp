@@ -1,16 +1,24 @@
 #include "comms/transport.h"
 
+#include <fcntl.h>
+#include <fmt/format.h>
 #include <poll.h>
 #include <pthread.h>
 #include <pty.h>
 #include <sched.h>
+#include <sys/file.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
+#include <sys/wait.h>
 #include <termios.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
 #include <string>
 #include <thread>
 #include <utility>
@@ -93,6 +101,82 @@ struct Terminal {
   }
   int master = -1, line = -1;
 };
+
+/// Another process, which has this terminal open until it is told to end. `before`: what it does with it.
+class OtherProgram {
+ public:
+  template <typename Before>
+  OtherProgram(const std::string& device, Before before) {
+    std::array<int, 2> ready{};
+    EXPECT_EQ(::pipe2(ready.data(), O_CLOEXEC), 0);
+    process = ::fork();
+    char byte = 0;
+    if (process == 0) {
+      before(::open(device.c_str(), O_RDWR | O_NOCTTY));
+      (void)!::write(ready[1], &byte, 1);
+      while (true) ::pause();
+    }
+    EXPECT_EQ(::read(ready[0], &byte, 1), 1);
+    ::close(ready[0]);
+    ::close(ready[1]);
+  }
+  OtherProgram(const OtherProgram&) = delete;
+  OtherProgram& operator=(const OtherProgram&) = delete;
+  ~OtherProgram() { end(); }
+  void end() {
+    if (process <= 0) return;
+    ::kill(process, SIGKILL);
+    ::waitpid(std::exchange(process, -1), nullptr, 0);
+  }
+  std::string sentence() const { return fmt::format("(process {}) is using the device", process); }
+  pid_t process = -1;
+};
+
+void expect_refused(const std::string& device, const std::string& sentence) {
+  const auto transport = Transport::open(serial(device));
+  ASSERT_FALSE(transport) << "it is opened";
+  EXPECT_NE(transport.error().reason.find(sentence), std::string::npos) << transport.error().reason;
+  EXPECT_FALSE(transport.error().permanent) << "it may end";
+}
+
+TEST(Transport, NamesTheProgramThatHasLockedTheLine) {
+  Terminal terminal;
+  const std::string device = ::ttyname(terminal.line);
+  OtherProgram picocom(device, [](int line) { EXPECT_EQ(::flock(line, LOCK_EX), 0); });
+  expect_refused(device, picocom.sentence());
+  picocom.end();
+  EXPECT_TRUE(Transport::open(serial(device)));
+}
+
+TEST(Transport, NamesTheProgramThatHasTheLineForItself) {
+  Terminal terminal;
+  const std::string device = ::ttyname(terminal.line);
+  OtherProgram manager(device, [](int line) { EXPECT_EQ(::ioctl(line, TIOCEXCL), 0); });
+  expect_refused(device, manager.sentence());
+  EXPECT_EQ(::ioctl(terminal.line, TIOCNXCL), 0);
+  EXPECT_TRUE(Transport::open(serial(device)));
+}
+
+/// minicom locks by such a file alone, with the device's name as it was given.
+TEST(Transport, NamesTheProgramThatHasALockFileForTheLine) {
+  Terminal terminal;
+  const std::string device = ::ttyname(terminal.line);
+  OtherProgram minicom(device, [](int) {});
+  const std::string path = fmt::format("/var/lock/LCK..skein_test_{}", ::getpid());
+  const auto lock_for = [&](pid_t process) {
+    std::ofstream file(path);
+    file << fmt::format("{:10d}\n", process) << std::flush;
+    return file.good();
+  };
+  if (!lock_for(minicom.process)) GTEST_SKIP() << "this user may not write to /var/lock";
+  expect_refused(device, minicom.sentence());
+  lock_for(::getppid());
+  EXPECT_TRUE(Transport::open(serial(device))) << "a process that has other devices open";
+  lock_for(minicom.process);
+  minicom.end();
+  EXPECT_TRUE(Transport::open(serial(device))) << "its file was left behind";
+  std::filesystem::remove(path);
+}
 
 bool drive_at(int priority) {
   sched_param wanted{};
