@@ -78,11 +78,12 @@ tl::expected<Exported, std::string> export_run(std::istream& csv, const std::str
       if (!disk->write(out->take())) return tl::unexpected(disk->failure());
     }
     out->finish();
+    for (std::string piece = out->take(); !piece.empty(); piece = out->take())
+      if (!disk->write(piece)) return tl::unexpected(disk->failure());
   } catch (const std::exception& error) {
     return tl::unexpected(fmt::format("{}: cannot be written: {}", to, error.what()));
   }
   result.torn = reader->torn();
-  if (!disk->write(out->take())) return tl::unexpected(disk->failure());
   disk->publish();
   if (const auto written = disk->finish(patience); !written) return tl::unexpected(written.error());
   return result;

@@ -30,17 +30,20 @@ class MatExporter final : public RunExporter {
   }
 
   void finish() override {
-    std::vector<std::pair<std::string, std::string>> fields;
     for (Column& column : columns_) {
-      fields.emplace_back(column.name, column.words ? mat_cells(column.texts) : mat_column(column.numbers));
+      fields_.emplace_back(column.name, column.words ? mat_cells(column.texts) : mat_column(column.numbers));
       column = {};
     }
-    fields.emplace_back("experiment", mat_text(reader_.head().source));
-    fields.emplace_back("skein", mat_text(reader_.head().version));
-    file_ = mat_file("run", mat_struct(fields));
+    fields_.emplace_back("experiment", mat_text(reader_.head().source));
+    fields_.emplace_back("skein", mat_text(reader_.head().version));
+    head_ = mat_file_head("run", fields_);
   }
 
-  std::string take() override { return std::exchange(file_, {}); }
+  /// Field by field: a run of many hours would not fit into memory several times.
+  std::string take() override {
+    if (!head_.empty()) return std::exchange(head_, {});
+    return taken_ < fields_.size() ? std::exchange(fields_[taken_++].second, {}) : std::string();
+  }
 
  private:
   struct Column {
@@ -51,7 +54,9 @@ class MatExporter final : public RunExporter {
   };
   const CsvReader& reader_;
   std::vector<Column> columns_;
-  std::string file_;
+  std::string head_;
+  std::vector<std::pair<std::string, std::string>> fields_;
+  std::size_t taken_ = 0;  // of the fields
 };
 
 }  // namespace

@@ -17,14 +17,18 @@ void append(std::string& out, std::uint32_t value) {
   for (int byte = 0; byte < 4; ++byte) out += static_cast<char>(static_cast<unsigned char>(value >> (8 * byte)));
 }
 
+void append_tag(std::string& out, Type type, std::size_t size) {
+  if (size > largest_mat_element)
+    throw std::length_error("more than 2 GB in one variable, the limit of MATLAB's format");
+  append(out, type);
+  append(out, static_cast<std::uint32_t>(size));
+}
+
 /// Type, size, data, padded to 8 bytes.
 std::string element(Type type, std::string_view data) {
-  if (data.size() > largest_mat_element)
-    throw std::length_error("more than 2 GB in one variable, the limit of MATLAB's format");
   std::string result;
   result.reserve(data.size() + 16);
-  append(result, type);
-  append(result, static_cast<std::uint32_t>(data.size()));
+  append_tag(result, type, data.size());
   result += data;
   result.append((8 - data.size() % 8) % 8, '\0');
   return result;
@@ -36,7 +40,7 @@ std::string words(Type type, std::initializer_list<std::uint32_t> values) {
   return element(type, data);
 }
 
-/// The head of a matrix element without a name: only the variable of a file has one.
+/// The head of a matrix element; only the variable of a file has a name.
 std::string head(Class kind, std::size_t rows, std::size_t columns, std::string_view name = {}) {
   return words(mi_uint32, {kind, 0}) +
          words(mi_int32, {static_cast<std::uint32_t>(rows), static_cast<std::uint32_t>(columns)}) +
@@ -83,35 +87,26 @@ std::string mat_cells(std::span<const std::string> texts) {
   return element(mi_matrix, cells);
 }
 
-std::string mat_struct(const std::vector<std::pair<std::string, std::string>>& fields) {
+std::string mat_file_head(std::string_view variable, const std::vector<std::pair<std::string, std::string>>& fields) {
   std::size_t longest = 31;  // older programs expect 32 bytes a name
   for (const auto& [name, value] : fields) longest = std::max(longest, name.size());
   std::string names;
-  std::size_t size = 0;
+  std::size_t values = 0;  // bytes
   for (const auto& [name, value] : fields) {
     names += name;
     names.append(longest + 1 - name.size(), '\0');
-    size += value.size();
+    values += value.size();
   }
   // The length of a name is a small element: type, size and data in 8 bytes.
   std::string length;
   append(length, mi_int32 | 4U << 16);
   append(length, static_cast<std::uint32_t>(longest + 1));
-  std::string all = head(mx_struct, 1, 1) + length + element(mi_int8, names);
-  all.reserve(all.size() + size);
-  for (const auto& [name, value] : fields) all += value;
-  return element(mi_matrix, all);
-}
-
-std::string mat_file(std::string_view variable, const std::string& value) {
+  const std::string fields_head = head(mx_struct, 1, 1, variable) + length + element(mi_int8, names);
   std::string file = "MATLAB 5.0 MAT-file, written by skein " SKEIN_VERSION;
   file.resize(124, ' ');
   file += {'\x00', '\x01', 'I', 'M'};  // version 0x0100, little-endian
-  // The value has an empty name: 8 bytes of tag, then the flags and the dimensions of 16 each.
-  constexpr std::size_t name_at = 8 + 16 + 16, empty_name = 8;
-  std::string named = value.substr(8, name_at - 8) + element(mi_int8, variable);
-  named.append(value, name_at + empty_name);
-  return file + element(mi_matrix, named);
+  append_tag(file, mi_matrix, fields_head.size() + values);
+  return file + fields_head;
 }
 
 }  // namespace skein::app

@@ -8,13 +8,13 @@
 
 namespace skein::app {
 
-/// One format: gets every row, returns the bytes of the file. The reader outlives it.
+/// One format: gets every row, returns the bytes of the file in pieces. The reader outlives it.
 class RunExporter {
  public:
   virtual ~RunExporter() = default;
   virtual void row(const TickRecord& record) = 0;  ///< just read by the reader
   virtual void finish() = 0;
-  virtual std::string take() = 0;  ///< the bytes since the last call
+  virtual std::string take() = 0;  ///< the next bytes of the file; empty: none so far, or after finish() none any more
 };
 
 std::unique_ptr<RunExporter> mcap_exporter(const CsvReader& reader, const ExportOptions& options);

@@ -4,11 +4,13 @@
 #include <gtest/gtest.h>
 #include <matio.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 
+#include "app/exchange/run_exporter.h"
 #include "app/record/csv_reader.h"
 #include "tests/app/exchange/recorded.h"
 #include "tests/files.h"
@@ -85,6 +87,25 @@ struct MatFile {
   mat_t* file;
   matvar_t* run = nullptr;
 };
+
+/// A run of many hours has gigabytes: nothing holds the whole file.
+TEST(Export, AMatFileIsTakenFieldByField) {
+  const Recorded run;
+  std::istringstream csv(run.csv);
+  auto reader = CsvReader::open(csv, "run.csv").value();
+  const auto exporter = mat_exporter(reader);
+  for (TickRecord row; reader.next(row).value();) exporter->row(row);
+  exporter->finish();
+  std::size_t largest = 0, whole = 0;
+  for (std::string piece = exporter->take(); !piece.empty(); piece = exporter->take()) {
+    largest = std::max(largest, piece.size());
+    whole += piece.size();
+  }
+  EXPECT_LT(largest, whole / 4);
+  const Folder folder;
+  ASSERT_TRUE(export_text(run.csv, folder / "run.mat", ExportFormat::mat));
+  EXPECT_EQ(whole, std::filesystem::file_size(folder / "run.mat"));
+}
 
 /// By libmatio, which reads what MATLAB writes.
 TEST(Export, MatlabsFormatHoldsEveryCellToTheBit) {
