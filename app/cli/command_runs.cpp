@@ -100,11 +100,20 @@ std::string plain_path(const std::string& folder) {
   return error ? folder : plain.string();
 }
 
+/// The same of a run, which among the kept runs may be a link to a run elsewhere: that has a name of its own.
+std::string plain_run(const std::string& folder) {
+  std::filesystem::path run(folder);
+  if (!run.has_filename()) run = run.parent_path();
+  if (std::error_code error; !std::filesystem::is_symlink(run, error)) return plain_path(folder);
+  const std::string parent = run.parent_path().string();
+  return (std::filesystem::path(plain_path(parent.empty() ? "." : parent)) / run.filename()).string();
+}
+
 /// All that a run's story says, flat, without its files. Its id is the folder's name, as in the index: a folder may
 /// have been given another one.
 Facts facts_of(const nlohmann::ordered_json& story, const std::string& folder) {
   Facts facts = run_facts(story);
-  facts["id"] = std::filesystem::path(plain_path(folder)).filename().string();
+  facts["id"] = std::filesystem::path(plain_run(folder)).filename().string();
   return facts;
 }
 
@@ -246,7 +255,7 @@ int remove_runs(const RunsRequest& request) {
     if (!folder) return refused(folder.error());
     folders.push_back(*folder);
   }
-  for (std::string& folder : folders) folder = plain_path(folder);
+  for (std::string& folder : folders) folder = plain_run(folder);
   if (!request.query.empty()) {
     auto index = open_index(request);
     if (!index) return refused(index.error());
@@ -275,14 +284,17 @@ int remove_runs(const RunsRequest& request) {
   std::size_t runs = 0;
   int status = done;
   for (const std::string& folder : folders) {
-    const std::uintmax_t room = bytes_of_run(folder);
+    std::error_code ignored;
+    const bool is_link = std::filesystem::is_symlink(folder, ignored);
+    const std::uintmax_t room = is_link ? 0 : bytes_of_run(folder);
+    const std::string stays = is_link ? fmt::format(", a link; {} stays", shown(plain_path(folder))) : std::string();
     if (request.yes)
       if (const auto removed = remove_run(folder); !removed) {
         complain(removed.error());
         status = device_failed;
         continue;
       }
-    out += fmt::format("{}: {:.1f} MB\n", shown(folder), static_cast<double>(room) / 1e6);
+    out += fmt::format("{}: {:.1f} MB{}\n", shown(folder), static_cast<double>(room) / 1e6, stays);
     bytes += room, ++runs;
   }
   const std::string all =

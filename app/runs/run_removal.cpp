@@ -30,6 +30,11 @@ bool is_being_written(const fs::path& file) {
 tl::expected<void, std::string> remove_run(const std::string& folder) {
   const fs::path run(folder), story = run / run_files::story;
   std::error_code error;
+  if (fs::is_symlink(run, error)) {  // the run that it leads to may be elsewhere, and be listed there
+    fs::remove(run, error);
+    if (error) return tl::unexpected(fmt::format("{}: cannot be removed: {}", folder, error.message()));
+    return {};
+  }
   if (!fs::is_regular_file(story, error))
     return tl::unexpected(folder + ": is not removed: it has no run.json, allowed: the folder of a kept run");
   for (const std::string& name : files_of_run(folder))

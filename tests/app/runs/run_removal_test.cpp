@@ -94,6 +94,17 @@ TEST(RunRemoval, FilesOutsideThatARunLinksToStay) {
   EXPECT_TRUE(fs::exists(outside / "mine.toml"));
 }
 
+/// A run of another folder, such as an archive, which is listed here as well by a link.
+TEST(RunRemoval, OfALinkToARunOnlyTheLinkIsRemoved) {
+  const Folder runs, archive;
+  const std::string elsewhere = kept(archive, "first"), link = runs / "linked";
+  fs::create_directory_symlink(elsewhere, link);
+  const auto removed = remove_run(link);
+  EXPECT_TRUE(removed) << removed.error();
+  EXPECT_FALSE(fs::exists(fs::symlink_status(link)));
+  EXPECT_EQ(files_of_run(elsewhere), (std::vector<std::string>{"inputs/trajectory-1.csv", "run.csv", "run.json"}));
+}
+
 TEST(LittleRoom, IsSaidWithTheWayOut) {
   const Folder runs;
   EXPECT_FALSE(little_room(runs.path, 0));
