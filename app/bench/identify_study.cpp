@@ -259,8 +259,8 @@ bool print(const Manoeuvre& manoeuvre, const IdentifyBench& bench, const std::ve
       const core::DifferentialDrive truth = core::random_individual(bench.seed + k).wheels;
       const core::DifferentialDrive found = drive_of(outcomes[k]);
       drifts.push_back(drift(found, truth));
-      ratio += core::math::pow(found.wheel_ratio / truth.wheel_ratio - 1.0, 2);
-      track += core::math::pow(found.track / truth.track - 1.0, 2);
+      ratio += core::math::squared(found.wheel_ratio / truth.wheel_ratio - 1.0);
+      track += core::math::squared(found.track / truth.track - 1.0);
     }
     const auto all = static_cast<double>(outcomes.size());
     fmt::print("rms_error_{}: wheel_ratio {:.3f} %, track {:.3f} %; drift_60_s {:.1f} mm (median)\n", name,

@@ -100,7 +100,7 @@ class NhOrca final : public SwapMethod {
       const Vector2d w = relative - inverse * to;
       Line line;
       Vector2d change;
-      if (!apart || (w.dot(to) < 0.0 && core::math::pow(w.dot(to), 2) > radius * radius * w.squaredNorm())) {
+      if (!apart || (w.dot(to) < 0.0 && core::math::squared(w.dot(to)) > radius * radius * w.squaredNorm())) {
         const Vector2d unit = w.norm() > 1e-12 ? Vector2d(w.normalized()) : Vector2d(-to.normalized());
         line.direction = {unit.y(), -unit.x()};
         change = (radius * inverse - w.norm()) * unit;

@@ -183,7 +183,7 @@ CameraRows judge_rows(const std::vector<CameraLatency>& turns, double row_time, 
   double weights = 0.0, row = 0.0, late = 0.0, top = none, bottom = none;
   std::size_t n = 0;
   const auto weight = [&](const CameraLatency& turn) {
-    return 1.0 / core::math::pow(std::max(turn.sigma, least_sigma), 2);
+    return 1.0 / core::math::squared(std::max(turn.sigma, least_sigma));
   };
   const auto told = [](const CameraLatency& turn) { return turn.doubt.empty() && std::isfinite(turn.late + turn.row); };
   for (const CameraLatency& turn : turns) {
@@ -217,7 +217,7 @@ CameraRows judge_rows(const std::vector<CameraLatency>& turns, double row_time, 
   const double slope = product / moment;
   double squares = 0.0;
   for (const CameraLatency& turn : turns)
-    if (told(turn)) squares += weight(turn) * core::math::pow(turn.late - late - slope * (turn.row - row), 2);
+    if (told(turn)) squares += weight(turn) * core::math::squared(turn.late - late - slope * (turn.row - row));
   // Turns that do not lie on a line say less than each claims.
   const double worse = n > 2 ? std::max(1.0, squares / static_cast<double>(n - 2)) : 1.0;
   result.row_time = row_time - slope;  // a row that is read later than was thought makes its stamps less late

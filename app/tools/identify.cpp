@@ -58,8 +58,8 @@ bool could_be_seen(const std::vector<core::Innovation>& innovations) {
   double squares = 0.0, angles = 0.0, count = 0.0;
   for (const core::Innovation& innovation : innovations) {
     if (!innovation.used) continue;
-    squares += core::math::pow(core::math::hypot(innovation.ahead, innovation.left), 2);
-    angles += core::math::pow(innovation.theta, 2);
+    squares += core::math::squared(core::math::hypot(innovation.ahead, innovation.left));
+    angles += core::math::squared(innovation.theta);
     ++count;
   }
   return count > 0.0 && (squares > count * least * least || angles > count * least_angle * least_angle);

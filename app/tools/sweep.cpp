@@ -143,7 +143,7 @@ class Distance final : public RecordSink {
       const double metres = experiment_.robots[i].drive.metres_per_step() * experiment_.rate;
       if (rows_.size() > 1)
         for (const double change : {robot.wheels.left - before_[i].left, robot.wheels.right - before_[i].right})
-          squares_ += core::math::pow(metres * change, 2), ++changes_;
+          squares_ += core::math::squared(metres * change), ++changes_;
       before_[i] = robot.wheels;
     }
   }

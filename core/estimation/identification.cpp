@@ -473,7 +473,7 @@ Identification identify(const IdentificationInput& input) {
     Estimate& e = result.estimates[i];
     const auto value = [&](double parameter) { return logarithmic(unknown) ? math::exp(parameter) : parameter; };
     e = {value(p[i]), value(p[i] - z_95 * sigma), value(p[i] + z_95 * sigma),
-         1.0 - math::pow(sigma / search.prior().sigma[i], 2)};
+         1.0 - math::squared(sigma / search.prior().sigma[i])};
     if (unknown == Unknown::delay && delay) e.low = delay->low, e.high = delay->high;
     within(e, useful_width(unknown, e.value));
     for (std::size_t j = 0; j < unknowns; ++j)

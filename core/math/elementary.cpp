@@ -21,18 +21,6 @@ double tan(double x) noexcept {
   return Sleef_cinz_tand1_u35purec(x);
 }
 
-double asin(double x) noexcept {
-  return Sleef_cinz_asind1_u35purec(x);
-}
-
-double acos(double x) noexcept {
-  return Sleef_cinz_acosd1_u35purec(x);
-}
-
-double atan(double x) noexcept {
-  return Sleef_cinz_atand1_u35purec(x);
-}
-
 double atan2(double y, double x) noexcept {
   return Sleef_cinz_atan2d1_u35purec(y, x);
 }

@@ -19,9 +19,6 @@ double cos(double x) noexcept;
 /// Both at the cost of one.
 SinCos sincos(double x) noexcept;
 double tan(double x) noexcept;
-double asin(double x) noexcept;
-double acos(double x) noexcept;
-double atan(double x) noexcept;
 double atan2(double y, double x) noexcept;
 double exp(double x) noexcept;
 double exp2(double x) noexcept;
@@ -30,6 +27,10 @@ double log(double x) noexcept;
 double log2(double x) noexcept;
 double tanh(double x) noexcept;
 double pow(double x, double y) noexcept;
+
+inline double squared(double x) noexcept {
+  return x * x;
+}
 
 /// The root of the sum of squares; of numbers between 1e-150 and 1e150, or 0.
 inline double hypot(double x, double y) noexcept {
