@@ -21,6 +21,9 @@ constexpr int too_often_unasked = 4;
 constexpr double unasked_within = 2.0;  // [s]
 constexpr int stops_to_believe = 2;
 
+// A motor may finish the step that it was in when the stop came. [steps]
+constexpr int last_step = 1;
+
 }  // namespace
 
 double LinkSession::speed_of(WheelCommand command) const noexcept {
@@ -36,6 +39,9 @@ void LinkSession::opened(double now) {
   garbled_ = false;
   silent_since_ = now;
   stop_acknowledged_ = false;  // another robot may answer
+  last_told_.reset();
+  reported_.reset();
+  counted_at_rest_ = turned_at_rest_ = false;
   begin();
   send_stop(now);
 }
@@ -163,6 +169,8 @@ void LinkSession::received(std::span<const std::uint8_t> bytes, double now) {
   counters_.bytes_received += bytes.size();
   silent_since_ = now;
   hear(bytes, now);
+  if (std::exchange(turned_at_rest_, false) && up())
+    resynchronise("the wheels turned though the robot was stopped", now);
 }
 
 void LinkSession::restarted() {
@@ -195,6 +203,7 @@ bool LinkSession::fresh(const Pending& pending, double now) const noexcept {
 }
 
 void LinkSession::read_counters(Encoders encoders, double since, double now) {
+  const bool at_rest = up() && stop_acknowledged_;
   if (encoders_) {
     const int left = steps_between(encoders_->left, encoders.left);
     const int right = steps_between(encoders_->right, encoders.right);
@@ -202,8 +211,10 @@ void LinkSession::read_counters(Encoders encoders, double since, double now) {
     if (std::max(std::abs(left), std::abs(right)) <= possible) {
       counters_.left_steps += left;
       counters_.right_steps += right;
+      turned_at_rest_ |= at_rest && counted_at_rest_ && std::max(std::abs(left), std::abs(right)) > last_step;
     }
   }
+  counted_at_rest_ = at_rest;
   encoders_ = encoders;
   encoders_at_ = now;
   counters_.counted_since = since;
@@ -242,7 +253,7 @@ void LinkSession::send(double now) {
   moving_allowed_ = true;
   const bool changed = options_.repeat_speeds || told_ != sent.command;
   count_way(now);
-  told_ = sent.command;
+  told_ = last_told_ = sent.command;
   told_ticket_ = sent.ticket;
   unconfirmed_ = sent;
   fastest_ = std::max(fastest_, speed_of(sent.command));
@@ -276,11 +287,19 @@ void LinkSession::answered(std::optional<WheelCommand> taken, double now) {
   round_trips_.add(now - asked_at_);
   stop_flight_ = 0.5 * round_trips_.quantile_since_start(0.999);
   ++counters_.exchanges;
+  const std::optional<WheelCommand> reported = std::exchange(reported_, taken);
   if (taken && question.told && *taken != *question.told) {
     ++counters_.wrong_speeds;
     return resynchronise(fmt::format("the robot took the speeds {} {} for {} {}", taken->left, taken->right,
                                      question.told->left, question.told->right),
                          now);
+  }
+  // A robot that was stopped reports the speeds from before the stop, or has restarted.
+  const bool known = taken == last_told_ || taken == reported || taken == WheelCommand{};
+  if (taken && !question.told && (last_told_ || reported) && !known) {
+    ++counters_.wrong_speeds;
+    return resynchronise(
+        fmt::format("the robot took the speeds {} {} though it was stopped", taken->left, taken->right), now);
   }
   count_way(now);
   confirmed_way_ = question.way;

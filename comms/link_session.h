@@ -36,7 +36,7 @@ struct WheelUnit {
 ///                 +-------------------------+
 ///
 /// A missing answer, an answer that does not fit the request, unsolicited bytes, too long a distance on unconfirmed
-/// commands, and silence of the control thread lead from up back to the stop.
+/// commands, wheels that turn after the stop, and silence of the control thread lead from up back to the stop.
 ///
 /// While the link is up, new speeds are written at once. A question (speeds taken, counters) is sent along unless an
 /// older one is still unanswered; the answer confirms every command up to the question. This class is common to all
@@ -172,9 +172,11 @@ class LinkSession {
   bool fresh(const Pending& pending, double now) const noexcept;
   bool silence_counts() const noexcept { return options_.command_silence > 0.0 && moving_allowed_; }
 
-  std::optional<Pending> pending_;      // newest command, not sent yet
-  std::optional<Pending> unconfirmed_;  // newest command that was sent and is not confirmed
-  std::optional<WheelCommand> told_;    // the last command sent; none: a stop was sent since, or no command yet
+  std::optional<Pending> pending_;         // newest command, not sent yet
+  std::optional<Pending> unconfirmed_;     // newest command that was sent and is not confirmed
+  std::optional<WheelCommand> told_;       // the last command sent; none: a stop was sent since, or no command yet
+  std::optional<WheelCommand> last_told_;  // on this link: as told_, but a stop leaves it as it is
+  std::optional<WheelCommand> reported_;   // the speeds that the robot last said it had taken
   std::uint16_t told_ticket_ = 0;
   std::optional<Asked> question_;
   int sent_since_question_ = 0;
@@ -209,6 +211,8 @@ class LinkSession {
   double unasked_since_ = -never;
 
   std::optional<Encoders> encoders_;  // the previous reading
+  bool counted_at_rest_ = false;      // it was of a robot that had acknowledged its stop
+  bool turned_at_rest_ = false;       // the newest differs from it all the same
   double encoders_at_ = 0.0;
   double battery_at_ = -never;  // when it was read last
   RoundTrips round_trips_;

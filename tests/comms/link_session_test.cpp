@@ -311,6 +311,47 @@ TEST(LinkSession, ARobotWhoseHalfLineAByteOfOursHasEndedIsStoppedWithinThatRound
   EXPECT_EQ(lab.take(), exact_stop);
 }
 
+// What is left of a speed command in the robot's parser, and the zeros with which the next request begins.
+TEST(LinkSession, ARobotThatDrivesThoughItWasStoppedIsStoppedWithinThatRoundTrip) {
+  for (const bool driven_before : {true, false}) {
+    Lab lab;
+    lab.open();
+    if (driven_before) {
+      lab.command(400, 400);
+      lab.talk();
+      lab.session.stop(lab.now);
+      lab.talk();
+    }
+    for (int k = 0; k < 3; ++k) {
+      lab.pass();  // a heartbeat: the robot reports the speeds from before its stop
+      lab.talk();
+      ASSERT_EQ(lab.session.status(lab.now).resynchronisations, 0u) << "the control: it stands";
+    }
+    Bytes reply;
+    lab.robot.receive(bytes("\xBC\x64\x03"), reply);
+    lab.pass();
+    lab.robot.receive(lab.take(), reply);
+    ASSERT_NE(lab.robot.wheels(), core::WheelSpeeds{});
+    lab.session.received(reply, lab.now);
+    EXPECT_EQ(lab.take(), exact_stop);
+    const LinkStatus status = lab.session.status(lab.now);
+    EXPECT_EQ(status.reason, "the robot took the speeds 868 0 though it was stopped");
+    EXPECT_FALSE(status.stop_acknowledged);
+  }
+}
+
+TEST(LinkSession, ARobotThatHasRestartedWhileItStoodReportsZerosAndIsNoAlarm) {
+  Lab lab;
+  lab.open();
+  lab.command(400, 400);
+  lab.talk();
+  lab.session.stop(lab.now);
+  lab.talk();
+  lab.robot.boot();
+  for (int k = 0; k < 3; ++k) lab.pass(), lab.talk();
+  EXPECT_EQ(lab.session.status(lab.now).resynchronisations, 0u);
+}
+
 TEST(LinkSession, ARobotIsStoppedWhenItsBlindDistanceIsUsedUp) {
   for (const int speed : {100, 400, 1000}) {
     Lab lab({.blind_distance = 0.02, .reply_timeout = 100.0, .command_silence = 0.0});

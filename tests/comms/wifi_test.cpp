@@ -181,6 +181,23 @@ TEST(WifiSession, APacketThatNobodyAskedForIsWhatTheRobotDoes) {
   EXPECT_EQ(lab.session.status(lab.now).timeouts, 0u);
 }
 
+TEST(WifiSession, ARobotThatSomebodyElseDrivesWhileItIsToStandIsStopped) {
+  WifiLab lab;
+  lab.open();
+  lab.rounds(100);
+  Bytes none;
+  lab.robot.receive(wifi_command({500, 0}), none);  // another host: the firmware listens to ten
+  lab.rounds(1);
+  ASSERT_EQ(lab.robot.wheels(), (WheelSpeeds{500, 0}));
+  lab.rounds(2);
+  EXPECT_EQ(lab.robot.wheels(), WheelSpeeds{});
+  EXPECT_EQ(lab.session.status(lab.now).reason, "the wheels turned though the robot was stopped");
+  lab.rounds(12);
+  EXPECT_TRUE(lab.session.up());
+  EXPECT_TRUE(lab.session.stop_acknowledged());
+  EXPECT_EQ(lab.session.status(lab.now).resynchronisations, 1u);
+}
+
 TEST(WifiSession, CommandSilenceIsAStop) {
   WifiLab lab;
   lab.open();
