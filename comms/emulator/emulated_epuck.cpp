@@ -17,6 +17,9 @@ constexpr double byte_time = 10.0 / 115200.0;  // start bit, 8 data bits, stop b
 constexpr std::size_t ring_places = 64;
 constexpr double noticeable_latency = 0.02;  // median, there and back: half a tick [s]
 constexpr double sigmas_to_p99 = 2.3263;     // of a Gaussian
+// TCP sends again what was lost, as Linux does: after 0.2 s, then after twice as long, and so on, 15 times.
+constexpr double first_retransmission = 0.2, longest_retransmission = 120.0;  // [s]
+constexpr int retransmissions = 15;
 
 // What a host may leave behind in the parser: half a line, a line that only lacks its end, binary commands that wait
 // for all, for some or for 35 of their arguments.
@@ -58,6 +61,10 @@ bool EmulatedEpuck::carries() const noexcept {
   return std::none_of(active_.begin(), active_.end(), [](const Fault& fault) {
     return fault.kind == FaultKind::latency && fault.p99 > noticeable_latency;
   });
+}
+
+bool EmulatedEpuck::answers_late() const noexcept {
+  return !to_host_.empty() && to_host_.back().due > time_ + noticeable_latency;
 }
 
 bool EmulatedEpuck::loses() const noexcept {
@@ -163,7 +170,7 @@ void EmulatedEpuck::begin(const Fault& fault) {
     forget_messages();
     if (fault.duration <= 0.0) end(fault);
   }
-  if (fault.kind == FaultKind::stuck && !off() && epuck_ && !is_in_packets(epuck_->protocol())) {
+  if (fault.kind == FaultKind::stuck && !off() && epuck_ && !over_tcp()) {
     const auto which = static_cast<std::size_t>(random_.uniform() * static_cast<double>(half_commands.size()));
     std::vector<std::uint8_t> answer;  // a half command has none
     epuck_->forget_half_command();     // two halves must not make a command that was never sent
@@ -182,7 +189,7 @@ void EmulatedEpuck::reboot() {
 void EmulatedEpuck::accept() {
   forget_messages();
   firmware_->new_host();
-  if (epuck_ && is_in_packets(epuck_->protocol())) ++hosts_;
+  if (over_tcp()) ++hosts_;
 }
 
 void EmulatedEpuck::forget_messages() {
@@ -193,11 +200,39 @@ void EmulatedEpuck::forget_messages() {
 
 // --- Bytes ----------------------------------------------------------------------------------------------------------
 
+/// Whether a message is lost that is sent at a time from now on. Over TCP one that arrives as another counts too: a
+/// checksum finds it.
+bool EmulatedEpuck::lost(std::size_t bytes, double at) {
+  const auto loses_it = [&](const Fault& fault) {
+    if (start_ + fault.at > at || start_ + fault.end() <= at) return false;
+    if (fault.kind == FaultKind::burst) return true;
+    if (fault.kind == FaultKind::loss) return random_.uniform() < fault.share;
+    const bool checked = over_tcp() && fault.kind == FaultKind::corruption;
+    return checked && random_.uniform() > std::pow(1.0 - fault.share, static_cast<double>(bytes));
+  };
+  bool any = std::any_of(active_.begin(), active_.end(), loses_it);
+  for (std::size_t i = next_fault_; !any && i < faults_.size() && start_ + faults_[i].at <= at; ++i)
+    any = loses_it(faults_[i]);
+  return any;
+}
+
+/// When it leaves for the other end; infinity: never.
+double EmulatedEpuck::carried_at(std::size_t bytes, double now) {
+  if (!over_tcp()) return lost(bytes, now) ? never : now;
+  double wait = first_retransmission;
+  for (int k = 0; k <= retransmissions; ++k) {
+    if (!lost(bytes, now)) return now;
+    now += std::min(std::exchange(wait, 2.0 * wait), longest_retransmission);
+  }
+  return never;
+}
+
 void EmulatedEpuck::send(std::deque<Message>& way, std::span<const std::uint8_t> bytes, double now) {
-  if (bytes.empty() || !connected() || active(FaultKind::burst)) return;
-  if (const Fault* loss = active(FaultKind::loss); loss && random_.uniform() < loss->share) return;
-  Message message{now, {bytes.begin(), bytes.end()}};
-  if (const Fault* corruption = active(FaultKind::corruption))
+  if (bytes.empty() || !connected()) return;
+  const double carried = carried_at(bytes.size(), now);
+  if (carried == never) return;
+  Message message{carried, {bytes.begin(), bytes.end()}};
+  if (const Fault* corruption = active(FaultKind::corruption); corruption && !over_tcp())
     for (std::uint8_t& byte : message.bytes)
       if (random_.uniform() < corruption->share)
         byte = static_cast<std::uint8_t>(byte ^ (1 + static_cast<int>(255.0 * random_.uniform())));
@@ -219,7 +254,7 @@ void EmulatedEpuck::receive(std::span<const std::uint8_t> bytes, double now) {
 
 void EmulatedEpuck::deliver(std::span<const std::uint8_t> bytes, double now) {
   if (off()) return;
-  if (!active(FaultKind::ring)) return hear(bytes, now);
+  if (!active(FaultKind::ring) || over_tcp()) return hear(bytes, now);
   ring_.insert(ring_.end(), bytes.begin(), bytes.end());
   ring_read_at_ = std::max(ring_read_at_, now) + static_cast<double>(bytes.size()) * byte_time;
 }

@@ -47,7 +47,10 @@ class EmulatedEpuck {
   std::uint64_t breaks() const noexcept { return breaks_; }  ///< times that the connection broke
   /// True: a message sent now arrives whole, and within a tick. False: one of the faults may prevent that.
   bool carries() const noexcept;
-  /// True: one of the faults may lose or change a message sent now. False: it arrives whole, however late.
+  /// An answer is on its way that takes more than a tick: over TCP what was lost is sent again after the fault is over.
+  bool answers_late() const noexcept;
+  /// True: one of the faults may lose or change a message sent now, or over TCP, hold it up. False: it arrives whole,
+  /// however late.
   bool loses() const noexcept;
   /// True: a `latency` fault holds up, or may hold up, what is sent to the robot now.
   bool delays() const noexcept { return active(FaultKind::latency) != nullptr || time_ < held_up_until_; }
@@ -72,6 +75,9 @@ class EmulatedEpuck {
   void end(const Fault& fault);
   void deliver(std::span<const std::uint8_t> bytes, double now);
   void hear(std::span<const std::uint8_t> bytes, double now);
+  bool over_tcp() const noexcept { return epuck_ && is_in_packets(epuck_->protocol()); }
+  bool lost(std::size_t bytes, double at);
+  double carried_at(std::size_t bytes, double now);
   void send(std::deque<Message>& way, std::span<const std::uint8_t> bytes, double now);
   void forget_messages();
 

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "comms/asercom.h"
+#include "comms/epuck_wifi.h"
 #include "tests/comms/bytes.h"
 #include "tests/property.h"
 
@@ -87,6 +88,42 @@ TEST(EmulatedEpuck, ABurstTakesEverythingAndEnds) {
   EXPECT_EQ(robot.wheels(), (core::WheelSpeeds{100, 100}));
   EXPECT_EQ(test::text(ask_at(robot, stop_sequence(), 103.0)), "s\r\n");
   EXPECT_TRUE(robot.carries());
+}
+
+// TCP sends again what was lost, after 0.2 s, 0.6 s, 1.4 s, 3 s ...; none comes as another or overtakes another.
+TEST(EmulatedEpuck, OverTcpWhatIsLostComesLaterAndInOrder) {
+  const auto over_tcp = [](std::vector<Fault> faults) {
+    return EmulatedEpuck(MotorModel::epuck2, 100.0, std::move(faults), 7, EpuckProgram::wifi);
+  };
+  EmulatedEpuck robot = over_tcp({{.kind = FaultKind::burst, .at = 1.0, .duration = 1.0}});
+  robot.receive(wifi_command({100, 100}), 100.5);
+  robot.advance(101.1);
+  ASSERT_EQ(robot.wheels(), (core::WheelSpeeds{100, 100}));
+  robot.receive(wifi_command({200, 200}), 101.1);
+  robot.receive(wifi_command({0, 0}), 101.95);
+  robot.advance(102.2);
+  (void)robot.take();
+  EXPECT_EQ(robot.wheels(), (core::WheelSpeeds{100, 100})) << "the burst is over";
+  EXPECT_FALSE(robot.carries()) << "what is sent now waits behind what is sent again";
+  EXPECT_TRUE(robot.answers_late());
+  robot.advance(102.5 + EpuckFirmware::stream_period);
+  EXPECT_EQ(robot.wheels(), (core::WheelSpeeds{200, 200})) << "1.4 s after it was first sent";
+  robot.advance(102.5 + 3.0 * EpuckFirmware::stream_period);
+  EXPECT_EQ(robot.wheels(), core::WheelSpeeds{});
+
+  EmulatedEpuck noisy =
+      over_tcp({{.kind = FaultKind::corruption, .at = 1.0, .duration = 2.0, .share = 0.02}, {.kind = FaultKind::ring}});
+  WifiParser parser;
+  std::size_t packets = 0;
+  for (int k = 0; k < 500; ++k) {
+    const double now = 100.0 + 0.022 * k;
+    noisy.receive(wifi_command({100, -100}), now);
+    parser.feed(noisy.take());
+    while (parser.next()) ++packets;
+    ASSERT_FALSE(parser.garbled());
+    ASSERT_TRUE(noisy.wheels() == core::WheelSpeeds{} || noisy.wheels() == (core::WheelSpeeds{100, -100}));
+  }
+  EXPECT_NEAR(static_cast<double>(packets), 500.0, 5.0) << "none is missing in the end";
 }
 
 TEST(EmulatedEpuck, CorruptedBytesAreOtherBytesAndNoneIsMissing) {
