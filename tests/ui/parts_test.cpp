@@ -630,6 +630,26 @@ TEST(AlertStrip, SaysWhyARobotIsNotSeenAsLongAsItIsLost) {
   }
 }
 
+TEST(AlertStrip, SaysWhyALinkIsLostAndSoDoesTheLog) {
+  const std::vector<app::RobotStatus> robots{{}, {.link = app::LinkState::stale, .reason = "no reply within 0.5 s"}};
+  for (const bool lost : {true, false}) {
+    app::TickRecord record;
+    record.phase = app::Phase::running;
+    record.robots.resize(2);
+    record.events.add(app::events::Link{1, lost ? app::LinkState::stale : app::LinkState::up});
+    AlertStrip strip;
+    strip.show_record(record, robots);
+    EventPanel panel;
+    panel.show_record(record, robots);
+    auto* const log = panel.findChild<QTableView*>();
+    const QString row = log->model()->index(0, log->model()->columnCount() - 1).data().toString();
+    for (const QString& said : {strip.text(), row}) {
+      EXPECT_TRUE(said.contains(QStringLiteral("link of robot 2 is"))) << said.toStdString();
+      EXPECT_EQ(said.contains(QStringLiteral("no reply within 0.5 s")), lost) << said.toStdString();
+    }
+  }
+}
+
 TEST(AlertStrip, SaysEveryStateThatLastsTheGravestFirst) {
   AlertStrip strip;
   app::TickRecord record;

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <QString>
+#include <vector>
 
 #include "app/run/event.h"
+#include "app/run/status.h"
 
 namespace skein::ui {
 
@@ -18,5 +20,7 @@ QString version_number(const QString& version);
 
 /// What happened, in a sentence for people, robots from 1. The log and the plots have the CSV's words beside it.
 QString sentence(const app::Event& event);
+/// The same, with the reason why a link is lost as far as `robots`, the status of each, have it.
+QString sentence(const app::Event& event, const std::vector<app::RobotStatus>& robots);
 
 }  // namespace skein::ui

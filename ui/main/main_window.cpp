@@ -447,13 +447,14 @@ void MainWindow::connect_session() {
   connect(&runs_, &Runs::session_ends, this, &MainWindow::let_go_of_session);
   connect(&runs_, &Runs::changed, this, &MainWindow::show_state);
   connect(&runs_, &Runs::row_added, plots_, &PlotsPanel::show_record);
-  connect(&runs_, &Runs::row_added, log_, &EventPanel::show_record);
+  connect(&runs_, &Runs::row_added, log_,
+          [this](const app::TickRecord& record) { log_->show_record(record, runs_.shown().robots()); });
   connect(&runs_, &Runs::row_added, results_, &ResultPanel::show_record);
   connect(&runs_, &Runs::record_shown, this, [this](const app::TickRecord& record) {
     arena_->show_record(record);
     run_bar_->show_record(record);
     gains_->show_record(record);
-    alert_->show_record(record);
+    alert_->show_record(record, runs_.shown().robots());
     pairs_->explain(record);
   });
 

@@ -33,7 +33,7 @@ AlertStrip::AlertStrip(QWidget* parent) : QLabel(parent) {
   show_text();  // also where nothing has been said yet
 }
 
-void AlertStrip::show_record(const app::TickRecord& record) {
+void AlertStrip::show_record(const app::TickRecord& record, const std::vector<app::RobotStatus>& robots) {
   const std::map<int, QString> before = lost_;
   for (const app::Event& event : record.events) {
     if (const auto* const lost = std::get_if<app::events::Lost>(&event))
@@ -47,7 +47,7 @@ void AlertStrip::show_record(const app::TickRecord& record) {
     if (const auto* const no_way = std::get_if<app::events::NoWay>(&event))
       no_way_.insert_or_assign(static_cast<int>(no_way->robot) + 1, NoWay{sentence(event), record.t, record.t});
     if (!held_ && !said_elsewhere(event))
-      say(tr("%1 s: ").arg(record.t, 0, 'f', 1) + sentence(event), ui::severity(event));
+      say(tr("%1 s: ").arg(record.t, 0, 'f', 1) + sentence(event, robots), ui::severity(event));
   }
   watch(record);
   if (lost_ == before) return;
@@ -57,10 +57,10 @@ void AlertStrip::show_record(const app::TickRecord& record) {
   } else if (record.phase == app::Phase::ready) {
     stand(State::lost, tr("No tag seen of robot %1").arg(lost_robots()), Severity::warning, Also::in_banner);
   } else {
-    QStringList robots;  // with the reason, where it is known
+    QStringList who;  // with the reason, where it is known
     for (const auto& [robot, why] : lost_)
-      robots << (why.isEmpty() ? QString::number(robot) : QStringLiteral("%1 (%2)").arg(robot).arg(why));
-    stand(State::lost, tr("LOST: robot %1 – no tag seen, it stands").arg(robots.join(QStringLiteral(", "))),
+      who << (why.isEmpty() ? QString::number(robot) : QStringLiteral("%1 (%2)").arg(robot).arg(why));
+    stand(State::lost, tr("LOST: robot %1 – no tag seen, it stands").arg(who.join(QStringLiteral(", "))),
           Severity::alarm);
   }
 }

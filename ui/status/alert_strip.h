@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "app/run/status.h"
 #include "ui/base/modes.h"
 
 namespace skein::ui {
@@ -17,7 +18,7 @@ class AlertStrip final : public QLabel {
 
  public:
   explicit AlertStrip(QWidget* parent = nullptr);
-  void show_record(const app::TickRecord& record);
+  void show_record(const app::TickRecord& record, const std::vector<app::RobotStatus>& robots = {});
   /// The robots that are lost now, as "2, 3"; empty: none.
   QString lost_robots() const;
   /// Where else in the window the same text is shown.

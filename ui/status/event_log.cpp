@@ -213,9 +213,9 @@ EventPanel::EventPanel(QWidget* parent)
   layout->addWidget(log_, 1);
 }
 
-void EventPanel::show_record(const app::TickRecord& record) {
+void EventPanel::show_record(const app::TickRecord& record, const std::vector<app::RobotStatus>& robots) {
   for (const app::Event& event : record.events)
-    log_->note(record.t, sentence(event), severity(event), QString::fromStdString(app::describe(event)));
+    log_->note(record.t, sentence(event, robots), severity(event), QString::fromStdString(app::describe(event)));
   if (record.events.dropped() > 0) note(record.t, tr("+%1 more").arg(record.events.dropped()), Severity::note);
 }
 

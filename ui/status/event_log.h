@@ -8,7 +8,9 @@
 #include <QTableView>
 #include <QTimer>
 #include <deque>
+#include <vector>
 
+#include "app/run/status.h"
 #include "app/run/tick_record.h"
 #include "ui/base/modes.h"
 
@@ -100,7 +102,7 @@ class EventPanel final : public QWidget {
 
  public:
   explicit EventPanel(QWidget* parent = nullptr);
-  void show_record(const app::TickRecord& record);
+  void show_record(const app::TickRecord& record, const std::vector<app::RobotStatus>& robots = {});
   void note(double t, const QString& text, Severity severity) { log_->note(t, text, severity); }
   void clear() { log_->clear(); }
 
