@@ -172,19 +172,13 @@ std::string read_file(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-/// The figures as pictures within the page, so that no name in one of them is another's. gnuplot draws nothing from a
-/// torn row: `whole_bytes` of the record are complete rows.
-tl::expected<std::string, std::string> figures(std::istream& csv, std::uint64_t whole_bytes,
-                                               const Experiment& experiment, const Statistics::Summary& summary) {
+/// The figures as pictures within the page, so that no name in one of them is another's.
+tl::expected<std::string, std::string> figures(const Experiment& experiment, const Statistics::Summary& summary,
+                                               const FigureData& data) {
   const Workshop workshop;
   if (workshop.path().empty()) return tl::unexpected(workshop.problem());
-  csv.clear();
-  csv.seekg(0);
-  std::ofstream copy(workshop.path() / "run.csv", std::ios::binary);
-  std::copy_n(std::istreambuf_iterator<char>(csv), whole_bytes, std::ostreambuf_iterator<char>(copy));
-  copy.close();
   if (const auto possible = check_report(workshop.path().string()); !possible) return tl::unexpected(possible.error());
-  if (const auto drawn = write_report(workshop.path().string(), experiment, summary); !drawn)
+  if (const auto drawn = write_report(workshop.path().string(), experiment, summary, data); !drawn)
     return tl::unexpected(drawn.error());
   std::string html;
   for (const auto& [name, heading, caption] :
@@ -267,6 +261,7 @@ tl::expected<Page, std::string> report_page(std::istream& csv, const std::string
   const auto experiment = reader->experiment();
   if (!experiment) return tl::unexpected(experiment.error());
   Statistics statistics(*experiment);
+  FigureData for_figures(*experiment);
   Film film(*experiment);
   TickRecord row;
   while (true) {
@@ -274,6 +269,7 @@ tl::expected<Page, std::string> report_page(std::istream& csv, const std::string
     if (!more) return tl::unexpected(more.error());
     if (!*more) break;
     statistics.record(row);
+    for_figures.record(row);
     film.add(row);
   }
   const Statistics::Summary summary = statistics.summary();
@@ -281,7 +277,7 @@ tl::expected<Page, std::string> report_page(std::istream& csv, const std::string
 
   Page page;
   if (reader->torn()) page.warnings.push_back(*reader->torn());
-  auto drawn = figures(csv, reader->whole_bytes(), *experiment, summary);
+  auto drawn = figures(*experiment, summary, for_figures);
   if (!drawn) {
     page.warnings.push_back("the page has no figures: " + drawn.error());
     drawn = fmt::format("<p class=\"bad\">The figures could not be drawn: {}</p>", escaped(drawn.error()));

@@ -98,11 +98,45 @@ TEST_F(Report, DrawsARunOfOneRow) {
   expect_figures();
 }
 
+TEST_F(Report, SaysThatThereIsNoRecord) {
+  const auto drawn = write_report(directory.string(), paper_experiment(), {});
+  ASSERT_FALSE(drawn);
+  EXPECT_NE(drawn.error().find("run.csv: cannot be opened: No such file"), std::string::npos) << drawn.error();
+}
+
 TEST_F(Report, SaysWhatGnuplotSaid) {
-  const auto drawn = write_report(directory.string(), paper_experiment(), {});  // no run.csv
+  fs::create_directory(directory / "figure3.pdf");  // it cannot be drawn there
+  const auto drawn = draw(experiment("duration = 1"));
   ASSERT_FALSE(drawn);
   EXPECT_NE(drawn.error().find("figure3.gp: gnuplot ended with status"), std::string::npos) << drawn.error();
-  EXPECT_NE(drawn.error().find("run.csv"), std::string::npos) << drawn.error();
+  EXPECT_NE(drawn.error().find("Is a directory"), std::string::npos) << drawn.error();
+}
+
+TEST_F(Report, DrawsTheOthersIfARobotWasNeverSeen) {
+  const Experiment e = experiment("duration = 2");
+  std::vector<TickRecord> rows = test::simulate(e);
+  for (TickRecord& row : rows) row.robots[1].pose = {none, none, none};
+  const auto drawn = draw(e, rows);
+  ASSERT_TRUE(drawn) << drawn.error();
+  expect_figures();
+}
+
+TEST_F(Report, OfALongRunIsSmall) {
+  const Experiment e = experiment("duration = 4");
+  const std::vector<TickRecord> round = test::simulate(e);
+  std::vector<TickRecord> rows;
+  for (int again = 0; again < 300; ++again)
+    for (TickRecord row : round) {
+      row.t += 4.0 * again;
+      for (RobotRecord& robot : row.robots)
+        robot.pose.x += 1e-3 * static_cast<double>((again * 7 + row.tick * 13) % 11 - 5) / 5.0;
+      rows.push_back(std::move(row));
+    }
+  const auto drawn = draw(e, rows);  // 30,000 rows
+  ASSERT_TRUE(drawn) << drawn.error();
+  expect_figures();
+  for (const char* figure : {"figure3.svg", "figure4.svg", "figure3.dat", "figure4.dat"})
+    EXPECT_LT(fs::file_size(directory / figure), 3u << 20) << figure;
 }
 
 TEST_F(Report, SaysThatGnuplotIsMissing) {

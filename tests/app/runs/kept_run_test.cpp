@@ -120,13 +120,23 @@ class OtherGnuplot {
   const std::string before_ = getenv("PATH");
 };
 
+/// The record of a run of one row.
+void record(const KeptRun& kept, const Experiment& experiment) {
+  CsvFile csv(kept.csv(), experiment);
+  TickRecord row;
+  row.robots.resize(experiment.robots.size());
+  row.delta.assign(row.robots.size() - 1, 0.0);
+  csv.record(row);
+  csv.finish();
+}
+
 /// Drawing takes seconds on a busy machine, in which somebody closes the window.
 TEST(KeptRun, HasItsResultsBeforeItsFiguresAreDrawn) {
   const Folder place;
   const OtherGnuplot gnuplot(place, "cp run.json \"${0%/*}/seen.json\"\n");
   const auto experiment = parse_experiment(text, "my.toml").value();
   auto kept = KeptRun::begin({place / "runs", {}, {}, {}, true, text}, experiment).value();
-  std::ofstream(kept.csv()) << "the record";
+  record(kept, experiment);
   EXPECT_FALSE(kept.end(Statistics(experiment).summary(), {})) << "this gnuplot draws nothing";
   EXPECT_TRUE(kept.complete());
   const auto seen = nlohmann::ordered_json::parse(read_file(place / "bin/seen.json"));
@@ -156,7 +166,7 @@ TEST(KeptRun, FiguresForWhichThereIsNoRoomAreLeftOutAndItsResultsAreThere) {
   const OtherGnuplot gnuplot(place, "rm run.json; mkdir run.json; : > figure3.svg\n");  // it cannot be written again
   const auto experiment = parse_experiment(text, "my.toml").value();
   auto kept = KeptRun::begin({place / "runs", {}, {}, {}, true, text}, experiment).value();
-  std::ofstream(kept.csv()) << "the record";
+  record(kept, experiment);
   EXPECT_FALSE(kept.end(Statistics(experiment).summary(), {}));
   EXPECT_TRUE(kept.complete());
   EXPECT_EQ(files_of_run(kept.folder()),
