@@ -10,6 +10,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import tracemalloc
 import unittest
 import unittest.mock
 
@@ -104,6 +105,28 @@ class Runs(unittest.TestCase):
                 with contextlib.redirect_stderr(io.StringIO()) as screen:
                     self.assertEqual(list(skein.read(torn)["t"]), list(run["t"][:-1]))
                 self.assertRegex(screen.getvalue(), "torn.csv: the file is torn at its end")
+
+    @needs("pandas")
+    def test_a_long_record_needs_little_more_memory_than_its_table(self):
+        names = ["t", "tick", "event", "r1_x", "r1_mode", *(f"c{k}" for k in range(35))]
+        rest = ",".join(f"{0.123456789 * k:.9g}" for k in range(35))
+        rows = 130_000
+        with tempfile.TemporaryDirectory() as folder:
+            long = os.path.join(folder, "long.csv")
+            with open(long, "w") as file:
+                file.write("# skein\n" + ",".join(names) + "\n")
+                for k in range(rows):  # r1_x is whole at first, and the events are late
+                    x, event = (k, "") if k < rows / 2 else (k + 0.5, "kick")
+                    file.write(f"{0.04 * k:.9g},{k},{event},{x},tracking,{rest}\n")
+            tracemalloc.start()
+            data = skein.read(long).data
+            most = tracemalloc.get_traced_memory()[1]
+            tracemalloc.stop()
+        self.assertLess(most, 2.5 * data.memory_usage().sum())
+        self.assertEqual(list(data.columns), names)
+        self.assertEqual((len(data), data.index[-1], data["tick"].dtype.kind), (rows, rows - 1, "i"))
+        self.assertEqual(list(data["r1_x"][[0, rows - 1]]), [0, rows - 0.5])
+        self.assertEqual((data["event"].count(), data["event"][rows - 1], data["r1_mode"][0]), (rows // 2, "kick", "tracking"))
 
     @needs("pandas")
     def test_a_record_that_another_program_saved_is_read(self):

@@ -167,6 +167,49 @@ def _start(words, folder):
         raise
 
 
+class _Whole(io.RawIOBase):
+    """A file up to where a power cut tore it: half a row, whose last number reads as another one, or zeros. Whole rows at a
+    time, since a record may be larger than the memory."""
+
+    def __init__(self, file):
+        self._file, self._ready, self._rest, self._ended = file, b"", bytearray(), False
+        self.torn = False  # known at the end
+
+    def readable(self):
+        return True
+
+    def readinto(self, buffer):
+        while not self._ready and not self._ended:
+            block = self._file.read(1 << 20)
+            zeros = block.find(b"\0")
+            self._ended = not block or zeros >= 0
+            if zeros >= 0:
+                block = block[:zeros]
+            end = block.rfind(b"\n") + 1
+            if end:
+                self._ready, self._rest = bytes(self._rest) + block[:end], bytearray()
+            self._rest += block[end:]
+            self.torn = self._ended and (zeros >= 0 or len(self._rest) > 0)
+        size = min(len(buffer), len(self._ready))
+        buffer[:size], self._ready = self._ready[:size], self._ready[size:]
+        return size
+
+
+def _joined(pandas, parts):
+    """One table of its parts. The columns are joined one at a time, and their parts are free then."""
+    columns = {}
+    for count, table in enumerate(parts, 1):
+        for name in table.columns:
+            columns.setdefault(name, []).append(table[name].copy())
+    if count == 1:
+        return table
+    del table
+    for name, pieces in columns.items():
+        columns[name] = pandas.concat(pieces, ignore_index=True)
+        pieces.clear()
+    return pandas.DataFrame(columns, copy=False)
+
+
 class _Table:
     """A CSV file, read when it is first looked at."""
 
@@ -192,16 +235,6 @@ class _Table:
             raise Error(f"{self.file}: is no text: it is no record") from refused
         raise Error(f"{self.file}: ends before a header row")
 
-    def _rows(self):
-        """The file up to where a power cut tore it: half a row, whose last number reads as another one, or zeros."""
-        with open(self.file, "rb") as file:
-            text = file.read()
-        zeros = text.find(b"\0")
-        whole = text.rfind(b"\n", 0, zeros if zeros >= 0 else len(text)) + 1
-        if whole < len(text) and sys.stderr:
-            sys.stderr.write(f"skein: {self.file}: the file is torn at its end, as by a power cut: read up to the torn row\n")
-        return io.BytesIO(text[:whole])
-
     @property
     def columns(self):
         """Names of the columns, in their order."""
@@ -217,13 +250,25 @@ class _Table:
                 raise Error("reading a table needs pandas: install python3-pandas") from missing
             lines, names = self._head_lines()
             words = {n: str for n in names if n == "event" or n.split("_", 1)[-1] in ("mode", "how", "link", "limit")}
+            # Part by part: at once pandas needs several times the memory of the table, and the text besides.
+            part = max(1000, 1_000_000 // len(names))
             try:
-                with self._rows() as rows:
-                    self._data = pandas.read_csv(
-                        rows, skiprows=lines, dtype=words, keep_default_na=False, na_values=[""], float_precision="round_trip"
+                with open(self.file, "rb") as file:
+                    whole = _Whole(file)
+                    parts = pandas.read_csv(
+                        io.BufferedReader(whole),
+                        skiprows=lines,
+                        dtype=words,
+                        keep_default_na=False,
+                        na_values=[""],
+                        float_precision="round_trip",
+                        chunksize=part,
                     )
+                    self._data = _joined(pandas, parts)
             except ValueError as refused:  # a row with too many cells, bytes that are no text
                 raise Error(f"{self.file}: {refused}") from refused
+            if whole.torn and sys.stderr:
+                sys.stderr.write(f"skein: {self.file}: the file is torn at its end, as by a power cut: read up to the torn row\n")
         return self._data
 
     def __getitem__(self, column):
