@@ -93,7 +93,7 @@ int identify(const IdentifyRequest& request) {
       if (same_run(known[k], history->robots))
         return complain(fmt::format("{}: is the same run as {}, allowed: each run once", run, request.runs[k])),
                wrong_input;
-    known.push_back(history->robots);
+    if (request.runs.size() > 1) known.push_back(history->robots);
     append(robots, std::move(history->robots));
   }
   if (robots.empty()) return complain("no robot was seen in these runs: nothing can be identified"), expectation_failed;

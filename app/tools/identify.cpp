@@ -303,6 +303,11 @@ bool stood(const IdentifiedRobot& robot) {
          turn < still_turn;
 }
 
+/// "1 pose", "2 poses".
+std::string counted_poses(std::size_t poses) {
+  return fmt::format("{} pose{}", poses, poses == 1 ? "" : "s");
+}
+
 std::vector<std::string> doubts(const IdentifiedRobot& robot) {
   const core::Identification& found = robot.found;
   std::vector<std::string> sentences;
@@ -314,12 +319,12 @@ std::vector<std::string> doubts(const IdentifiedRobot& robot) {
         found.driven, found.turned, 1e3 * moved(robot.history.input.poses).first));
     return sentences;
   }
-  const std::size_t poses = robot.history.input.poses.size();
+  const std::string poses = counted_poses(robot.history.input.poses.size());
   if (!found.converged) {
     sentences.push_back(found.driven + found.turned > 0.0
-                            ? fmt::format("{} poses over {:.2f} m determine nothing: record a run that drives farther",
+                            ? fmt::format("{} over {:.2f} m: that determines nothing: record a run that drives farther",
                                           poses, found.driven)
-                            : fmt::format("it never drove, in {} poses: nothing can be identified", poses));
+                            : fmt::format("it never drove, in {}: nothing can be identified", poses));
     return sentences;
   }
   for (const OtherRobot& other : robot.others)
@@ -375,6 +380,7 @@ tl::expected<void, std::string> write_residuals(const std::string& folder, const
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) return tl::unexpected(fmt::format("{}: cannot be made: {}", folder, error.message()));
+  constexpr std::size_t most_points = 20'000;  // more than these nobody sees
   for (std::size_t i = 0; i < robots.size(); ++i) {
     const std::string name = fmt::format("residuals_{}", i + 1);
     std::string table = "t,ahead,left,theta,normalised,used\n";
@@ -387,8 +393,9 @@ tl::expected<void, std::string> write_residuals(const std::string& folder, const
         title.begin(), title.end(), [](char c) { return c == '"' || c == '\\'; }, '\'');
     const std::string head = fmt::format(
         "# Residuals of {0}, drawn by skein {1}. To draw it again, edit this and run: gnuplot {2}.gp\n"
-        "name = \"{2}\"\nrobot = \"{0}\"\n",
-        title, SKEIN_VERSION, name);
+        "name = \"{2}\"\nrobot = \"{0}\"\n"
+        "stride = {3}  # of so many poses one is drawn, and every outlier\n",
+        title, SKEIN_VERSION, name, 1 + robots[i].found.innovations.size() / most_points);
     auto done = write_file(path.string() + ".csv", table);
     if (done) done = write_file(path.string() + ".gp", head + std::string(embedded::residuals_gp));
     if (done && !robots[i].found.innovations.empty()) done = draw_figure(folder, name);

@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -49,6 +50,9 @@ constexpr bool logarithmic(Unknown unknown) noexcept {
 // What no camera tells: without it, poses without noise would be an equation, and not an estimate. [m, rad]
 constexpr double finest_xy = 2e-5, finest_theta = 2e-4;
 
+// Of a long run so many tell nearly all: the search goes near the place by them, and the last steps by all.
+constexpr std::size_t enough_poses = 20'000;
+
 struct Prior {
   Parameters mean, sigma;
 };
@@ -74,124 +78,145 @@ struct Found {
   Matrix3 covariance;  // of it
 };
 
-/// The extended Kalman filter for one set of parameters.
+/// The extended Kalman filter for one set of parameters, pose by pose: in a memory that does not grow with the run.
 class Filter {
  public:
-  Filter(const IdentificationInput& input, const std::vector<bool>& used) : input_(input), used_(used) {}
-
-  /// The innovations of all poses except those that begin anew; `expected`, if given, gets the headings.
-  void run(const Parameters& p, std::vector<Found>& found, std::vector<double>* headings = nullptr) {
-    found.clear();
-    if (headings) headings->clear();
-    const double left_step = pi / input_.believed.steps_per_turn * math::exp(p[at(Unknown::left_diameter)]);
-    const double right_step = pi / input_.believed.steps_per_turn * math::exp(p[at(Unknown::right_diameter)]);
-    const double track = math::exp(p[at(Unknown::track)]), delay = p[at(Unknown::delay)];
-    const double slip = math::exp(p[at(Unknown::slip)]), turned = p[at(Unknown::tag_heading)];
-    const double ahead = p[at(Unknown::tag_ahead)], aside = p[at(Unknown::tag_left)];
+  /// Of the first `poses` poses.
+  Filter(const IdentificationInput& input, const std::vector<bool>& used, std::size_t poses, const Parameters& p)
+      : input_(input),
+        used_(used),
+        poses_(poses),
+        left_step_(pi / input.believed.steps_per_turn * math::exp(p[at(Unknown::left_diameter)])),
+        right_step_(pi / input.believed.steps_per_turn * math::exp(p[at(Unknown::right_diameter)])),
+        track_(math::exp(p[at(Unknown::track)])),
+        delay_(p[at(Unknown::delay)]),
+        slip_(math::exp(p[at(Unknown::slip)])),
+        turned_(p[at(Unknown::tag_heading)]),
+        ahead_(p[at(Unknown::tag_ahead)]),
+        aside_(p[at(Unknown::tag_left)]) {
     const double xy = math::exp(2.0 * p[at(Unknown::sigma_xy)]) + finest_xy * finest_xy;
-    const double theta_noise = math::exp(2.0 * p[at(Unknown::sigma_theta)]) + finest_theta * finest_theta;
-    const Matrix3 noise = Vector3(xy, xy, theta_noise).asDiagonal();
-    const auto& knots = input_.wheels;
-    std::size_t knot = 0;  // the first behind the time reached
-    Vector3 state;
-    Matrix3 covariance;
-    double t = 0.0;
-    bool first = true;
-    for (std::size_t k = 0; k < input_.poses.size(); ++k) {
-      const SeenPose& seen = input_.poses[k];
-      const double until = seen.t - delay;
-      const Vector3 measured(seen.pose.x, seen.pose.y, seen.pose.theta);
-      if (first || seen.anew) {
-        first = false;
-        const double theta = measured[2] - turned, c = math::cos(theta), s = math::sin(theta);
-        state << measured[0] - ahead * c + aside * s, measured[1] - ahead * s - aside * c, theta;
-        Matrix3 back = Matrix3::Identity();  // d state / d measured
-        back(0, 2) = ahead * s + aside * c;
-        back(1, 2) = -ahead * c + aside * s;
-        covariance = back * noise * back.transpose();
-        while (knot > 0 && knots[knot - 1].t > until) --knot;
-        while (knot < knots.size() && knots[knot].t <= until) ++knot;
-        t = until;
-        continue;
-      }
-      // The way of both wheels up to there, arc by arc.
-      const Vector3 before = state;
-      double left_way = 0.0, right_way = 0.0;
-      const double whole = until - t;
-      while (t < until) {
-        const double end = knot < knots.size() ? std::min(until, knots[knot].t) : until;
-        if (knot > 0 && knot < knots.size()) {
-          const WheelKnot &a = knots[knot - 1], &b = knots[knot];
-          const double share = (end - t) / (b.t - a.t);
-          const double left = left_step * share * (b.left - a.left), right = right_step * share * (b.right - a.right);
-          const double turn = (right - left) / track, half = 0.5 * turn;
-          const double chord = 0.5 * (left + right) * sinc(half);
-          state[0] += chord * math::cos(state[2] + half);
-          state[1] += chord * math::sin(state[2] + half);
-          state[2] += turn;
-          left_way += std::abs(left);
-          right_way += std::abs(right);
-        }
-        t = end;
-        if (knot < knots.size() && knots[knot].t <= t) ++knot;
-      }
-      if (whole > 0.0) {
-        Matrix3 carry = Matrix3::Identity();
-        carry(0, 2) = -(state[1] - before[1]);
-        carry(1, 2) = state[0] - before[0];
-        const double middle = 0.5 * (before[2] + state[2]), c = math::cos(middle), s = math::sin(middle);
-        Eigen::Matrix<double, 3, 2> wheels;
-        wheels << 0.5 * c, 0.5 * c, 0.5 * s, 0.5 * s, -1.0 / track, 1.0 / track;
-        // A heading that is off half way on average moves the end sideways, too.
-        wheels.row(0) -= 0.5 * (state[1] - before[1]) * wheels.row(2);
-        wheels.row(1) += 0.5 * (state[0] - before[0]) * wheels.row(2);
-        const double scale = slip * slip * input_.slip_period / whole;
-        const Eigen::Vector2d ways(scale * left_way * left_way, scale * right_way * right_way);
-        covariance = carry * covariance * carry.transpose() + wheels * ways.asDiagonal() * wheels.transpose();
-      }
-      const auto [s, c] = math::sincos(state[2]);
-      Matrix3 seen_by = Matrix3::Identity();
-      seen_by(0, 2) = -ahead * s - aside * c;
-      seen_by(1, 2) = ahead * c - aside * s;
-      Found innovation;
-      innovation.error << measured[0] - (state[0] + ahead * c - aside * s),
-          measured[1] - (state[1] + ahead * s + aside * c), wrap_angle(measured[2] - state[2] - turned);
-      innovation.covariance = seen_by * covariance * seen_by.transpose() + noise;
-      if (headings) headings->push_back(state[2]);
-      if (used_[found.size()]) {
-        const Matrix3 gain = covariance * seen_by.transpose() * innovation.covariance.inverse();
-        state += gain * innovation.error;
-        const Matrix3 rest = Matrix3::Identity() - gain * seen_by;
-        covariance = rest * covariance * rest.transpose() + gain * noise * gain.transpose();
-      }
-      found.push_back(innovation);
-    }
+    const double theta = math::exp(2.0 * p[at(Unknown::sigma_theta)]) + finest_theta * finest_theta;
+    noise_ = Vector3(xy, xy, theta).asDiagonal();
   }
 
+  /// The innovation of the next pose that does not begin anew. False: there is none.
+  bool next(Found& innovation) {
+    for (; pose_ < poses_ && (pose_ == 0 || input_.poses[pose_].anew); ++pose_) begin(input_.poses[pose_]);
+    if (pose_ >= poses_) return false;
+    const SeenPose& seen = input_.poses[pose_++];
+    drive(seen.t - delay_);
+    const auto [s, c] = math::sincos(state_[2]);
+    Matrix3 seen_by = Matrix3::Identity();
+    seen_by(0, 2) = -ahead_ * s - aside_ * c;
+    seen_by(1, 2) = ahead_ * c - aside_ * s;
+    innovation.error << seen.pose.x - (state_[0] + ahead_ * c - aside_ * s),
+        seen.pose.y - (state_[1] + ahead_ * s + aside_ * c), wrap_angle(seen.pose.theta - state_[2] - turned_);
+    innovation.covariance = seen_by * covariance_ * seen_by.transpose() + noise_;
+    expected_heading_ = state_[2];
+    if (used_[found_++]) {
+      const Matrix3 gain = covariance_ * seen_by.transpose() * innovation.covariance.inverse();
+      state_ += gain * innovation.error;
+      const Matrix3 rest = Matrix3::Identity() - gain * seen_by;
+      covariance_ = rest * covariance_ * rest.transpose() + gain * noise_ * gain.transpose();
+    }
+    return true;
+  }
+  /// The pose of the newest innovation, and the heading that was expected there [rad].
+  const SeenPose& pose() const noexcept { return input_.poses[pose_ - 1]; }
+  double expected_heading() const noexcept { return expected_heading_; }
+
  private:
+  void begin(const SeenPose& seen) {
+    const auto& knots = input_.wheels;
+    t_ = seen.t - delay_;
+    const double theta = seen.pose.theta - turned_, c = math::cos(theta), s = math::sin(theta);
+    state_ << seen.pose.x - ahead_ * c + aside_ * s, seen.pose.y - ahead_ * s - aside_ * c, theta;
+    Matrix3 back = Matrix3::Identity();  // d state / d measured
+    back(0, 2) = ahead_ * s + aside_ * c;
+    back(1, 2) = -ahead_ * c + aside_ * s;
+    covariance_ = back * noise_ * back.transpose();
+    while (knot_ > 0 && knots[knot_ - 1].t > t_) --knot_;
+    while (knot_ < knots.size() && knots[knot_].t <= t_) ++knot_;
+  }
+
+  void drive(double until) {
+    const auto& knots = input_.wheels;
+    // The way of both wheels up to there, arc by arc.
+    const Vector3 before = state_;
+    double left_way = 0.0, right_way = 0.0;
+    const double whole = until - t_;
+    while (t_ < until) {
+      const double end = knot_ < knots.size() ? std::min(until, knots[knot_].t) : until;
+      if (knot_ > 0 && knot_ < knots.size()) {
+        const WheelKnot &a = knots[knot_ - 1], &b = knots[knot_];
+        const double share = (end - t_) / (b.t - a.t);
+        const double left = left_step_ * share * (b.left - a.left), right = right_step_ * share * (b.right - a.right);
+        const double turn = (right - left) / track_, half = 0.5 * turn;
+        const double chord = 0.5 * (left + right) * sinc(half);
+        state_[0] += chord * math::cos(state_[2] + half);
+        state_[1] += chord * math::sin(state_[2] + half);
+        state_[2] += turn;
+        left_way += std::abs(left);
+        right_way += std::abs(right);
+      }
+      t_ = end;
+      if (knot_ < knots.size() && knots[knot_].t <= t_) ++knot_;
+    }
+    if (!(whole > 0.0)) return;
+    Matrix3 carry = Matrix3::Identity();
+    carry(0, 2) = -(state_[1] - before[1]);
+    carry(1, 2) = state_[0] - before[0];
+    const double middle = 0.5 * (before[2] + state_[2]), c = math::cos(middle), s = math::sin(middle);
+    Eigen::Matrix<double, 3, 2> wheels;
+    wheels << 0.5 * c, 0.5 * c, 0.5 * s, 0.5 * s, -1.0 / track_, 1.0 / track_;
+    // A heading that is off half way on average moves the end sideways, too.
+    wheels.row(0) -= 0.5 * (state_[1] - before[1]) * wheels.row(2);
+    wheels.row(1) += 0.5 * (state_[0] - before[0]) * wheels.row(2);
+    const double scale = slip_ * slip_ * input_.slip_period / whole;
+    const Eigen::Vector2d ways(scale * left_way * left_way, scale * right_way * right_way);
+    covariance_ = carry * covariance_ * carry.transpose() + wheels * ways.asDiagonal() * wheels.transpose();
+  }
+
   const IdentificationInput& input_;
   const std::vector<bool>& used_;
+  std::size_t poses_;
+  double left_step_, right_step_, track_, delay_, slip_, turned_, ahead_, aside_;
+  Matrix3 noise_;
+  std::size_t pose_ = 0, found_ = 0;
+  std::size_t knot_ = 0;  // the first behind the time reached
+  double t_ = 0.0;        // the time reached
+  Vector3 state_;
+  Matrix3 covariance_;
+  double expected_heading_ = 0.0;
 };
 
 class Search {
  public:
   Search(const IdentificationInput& input, std::size_t innovations)
-      : used_(innovations, true), filter_(input, used_), prior_(prior_of(input.believed)) {}
+      : input_(input), used_(innovations, true), poses_(input.poses.size()), prior_(prior_of(input.believed)) {}
+
+  /// From now on only the first poses count; at most all.
+  void look_at(std::size_t poses) { poses_ = std::min(poses, input_.poses.size()); }
+
+  Filter filter(const Parameters& p) const { return {input_, used_, poses_, p}; }
 
   /// Minus the logarithm of the posterior, up to a constant.
-  double cost(const Parameters& p) {
-    filter_.run(p, found_);
+  double cost(const Parameters& p) const {
     double sum = 0.5 * (p - prior_.mean).cwiseQuotient(prior_.sigma).squaredNorm();
-    for (std::size_t k = 0; k < found_.size(); ++k)
+    Filter filter = this->filter(p);
+    Found found;
+    for (std::size_t k = 0; filter.next(found); ++k)
       if (used_[k])
-        sum += 0.5 * (math::log(found_[k].covariance.determinant()) +
-                      found_[k].error.dot(found_[k].covariance.inverse() * found_[k].error));
+        sum += 0.5 *
+               (math::log(found.covariance.determinant()) + found.error.dot(found.covariance.inverse() * found.error));
     return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
   }
 
   /// Fisher's scoring, damped where a step does not help. False: it does not come to rest.
   bool climb(Parameters& p, int& iterations) {
     constexpr int most = 60;
+    // Of a long run every step is dear, and so much less of the cost is a thirtieth of a standard deviation.
+    const double settled = poses_ > enough_poses ? 1e-3 : 1e-6;
     double here = cost(p), damping = 0.0;
     for (int i = 0; i < most; ++i, ++iterations) {
       Parameters slope;
@@ -206,11 +231,11 @@ class Search {
         if (there <= here) {
           const double improved = step.dot(information_ * step);
           // Along a kink (see delay_posterior) only short steps help: what they gain is far below what noise does.
-          const bool crawls = damping > 0.0 && here - there < 1e-4;
+          const bool crawls = damping > 0.0 && here - there < 100.0 * settled;
           p += step;
           here = there;
           damping = damping < 1e-3 ? 0.0 : damping * 0.1;
-          if (improved < 1e-6 || crawls) {
+          if (improved < settled || crawls) {
             linearise(p, slope, information_);
             return true;
           }
@@ -228,34 +253,36 @@ class Search {
   /// Poses that are no part of the rest, whose chance is below one in 10^7, count for nothing from now on. How many.
   std::size_t drop_outliers(const Parameters& p) {
     constexpr double far = 35.0;
-    filter_.run(p, found_);
-    std::size_t dropped = 0;
-    for (std::size_t k = 0; k < found_.size(); ++k)
-      if (used_[k] && found_[k].error.dot(found_[k].covariance.inverse() * found_[k].error) > far)
-        used_[k] = false, ++dropped;
-    return dropped;
+    Filter filter = this->filter(p);
+    Found found;
+    std::vector<std::size_t> dropped;  // afterwards: the filter goes by those that are used
+    for (std::size_t k = 0; filter.next(found); ++k)
+      if (used_[k] && found.error.dot(found.covariance.inverse() * found.error) > far) dropped.push_back(k);
+    for (const std::size_t k : dropped) used_[k] = false;
+    return dropped.size();
   }
 
   /// Moves the noise from where all parameters together are likeliest to where it is likeliest by itself, whatever the
   /// others are (restricted maximum likelihood). A fit follows a part of the noise: of the slip, which wanders off
   /// slowly and of which a run tells as much as some dozens of draws would, as much as several parameters can follow. A
-  /// step of Newton's, with Laplace's integral over the others.
+  /// step of Newton's, with Laplace's integral over the others. After climb(), which came to rest at `p`.
   void discount_fit(Parameters& p) {
     constexpr double h = 0.02;
     Parameters slope;
-    linearise(p, slope, information_);
     const Information covariance = information_.inverse();
     const auto log_determinant = [&](const Parameters& there) {
       Information information;
-      linearise(there, slope, information);
+      linearise(there, slope, information);  // of a part: how it changes with p does not depend on the length
       return information.ldlt().vectorD().array().log().sum();
     };
     Parameters step = Parameters::Zero();
+    look_at(enough_poses);
     for (const Unknown noise : {Unknown::slip, Unknown::sigma_xy, Unknown::sigma_theta}) {
       Parameters more = p, less = p;
       more[at(noise)] += h, less[at(noise)] -= h;
       step -= 0.5 * (log_determinant(more) - log_determinant(less)) / (2.0 * h) * covariance.col(at(noise));
     }
+    look_at(input_.poses.size());
     if (!step.allFinite()) return;
     // Farther than a standard deviation a single step is a guess.
     p += step / std::max(1.0, step.cwiseAbs().cwiseQuotient(covariance.diagonal().cwiseSqrt()).maxCoeff());
@@ -314,32 +341,35 @@ class Search {
   const Information& information() const noexcept { return information_; }
   const Prior& prior() const noexcept { return prior_; }
   const std::vector<bool>& used() const noexcept { return used_; }
-  Filter& filter() noexcept { return filter_; }
 
  private:
   void linearise(const Parameters& p, Parameters& slope, Information& information) {
     constexpr double h = 1e-6;
-    filter_.run(p, found_);
+    Filter filter = this->filter(p);
+    std::array<std::optional<Filter>, unknowns> filters;
     for (std::size_t i = 0; i < unknowns; ++i) {
       Parameters there = p;
       there[i] += h;
-      filter_.run(there, moved_[i]);
+      filters[i].emplace(this->filter(there));
     }
     slope = (p - prior_.mean).cwiseQuotient(prior_.sigma.cwiseProduct(prior_.sigma));
     information = prior_.sigma.cwiseProduct(prior_.sigma).cwiseInverse().asDiagonal();
     std::array<Vector3, unknowns> error;
     std::array<Matrix3, unknowns> spread;  // S^-1 dS
-    for (std::size_t k = 0; k < found_.size(); ++k) {
+    Found found;
+    std::array<Found, unknowns> moved;
+    for (std::size_t k = 0; filter.next(found); ++k) {
+      for (std::size_t i = 0; i < unknowns; ++i) filters[i]->next(moved[i]);
       if (!used_[k]) continue;
-      const Matrix3 inverse = found_[k].covariance.inverse();
-      const Vector3 weighted = inverse * found_[k].error;
+      const Matrix3 inverse = found.covariance.inverse();
+      const Vector3 weighted = inverse * found.error;
       for (std::size_t i = 0; i < unknowns; ++i) {
-        Vector3 difference = moved_[i][k].error - found_[k].error;
+        Vector3 difference = moved[i].error - found.error;
         difference[2] = wrap_angle(difference[2]);
         error[i] = difference / h;
-        spread[i] = inverse * (moved_[i][k].covariance - found_[k].covariance) / h;
+        spread[i] = inverse * (moved[i].covariance - found.covariance) / h;
         slope[i] += weighted.dot(error[i]) + 0.5 * spread[i].trace() -
-                    0.5 * weighted.dot(found_[k].covariance * (spread[i] * weighted));
+                    0.5 * weighted.dot(found.covariance * (spread[i] * weighted));
       }
       for (std::size_t i = 0; i < unknowns; ++i)
         for (std::size_t j = 0; j <= i; ++j)
@@ -349,11 +379,10 @@ class Search {
     information.triangularView<Eigen::StrictlyUpper>() = information.transpose();
   }
 
+  const IdentificationInput& input_;
   std::vector<bool> used_;
-  Filter filter_;
+  std::size_t poses_;  // that count
   Prior prior_;
-  std::vector<Found> found_;
-  std::array<std::vector<Found>, unknowns> moved_;
   Information information_;
 };
 
@@ -433,14 +462,26 @@ Identification identify(const IdentificationInput& input) {
   Search search(input, innovations);
   Parameters p = search.prior().mean;
   // The delay first, coarsely: from too far away the search may find another fit of commands to poses.
-  constexpr double stride = 0.05, last = 0.6;
-  double best = std::numeric_limits<double>::infinity();
-  for (double delay = -0.1; delay <= last; delay += stride) {
-    Parameters there = search.prior().mean;
-    there[at(Unknown::delay)] = delay;
-    if (const double cost = search.cost(there); cost < best) best = cost, p = there;
-  }
+  const auto begin_coarsely = [&] {
+    constexpr double stride = 0.05, last = 0.6;
+    double best = std::numeric_limits<double>::infinity();
+    for (double delay = -0.1; delay <= last; delay += stride) {
+      Parameters there = search.prior().mean;
+      there[at(Unknown::delay)] = delay;
+      if (const double cost = search.cost(there); cost < best) best = cost, p = there;
+    }
+  };
+  search.look_at(enough_poses);
+  begin_coarsely();
   result.converged = search.climb(p, result.iterations);
+  if (input.poses.size() > enough_poses) {
+    const auto delay = static_cast<Eigen::Index>(at(Unknown::delay));
+    const double variance = search.information().inverse()(delay, delay);
+    search.look_at(input.poses.size());
+    // The robot may have stood all that time, and have told nothing.
+    if (!result.converged || !(variance < math::squared(useful_width(Unknown::delay, 0.0)))) begin_coarsely();
+    result.converged = search.climb(p, result.iterations);
+  }
   for (int round = 0; round < 3 && result.converged && search.drop_outliers(p) > 0; ++round)
     result.converged = search.climb(p, result.iterations);
 
@@ -497,17 +538,13 @@ Identification identify(const IdentificationInput& input) {
   result.wheel_ratio = of_both(-1.0, 1.0);
   within(result.wheel_ratio, useful_ratio);
 
-  std::vector<Found> found;
-  std::vector<double> headings;
-  search.filter().run(p, found, &headings);
-  std::size_t k = 0;
-  for (std::size_t pose = 1; pose < input.poses.size(); ++pose) {
-    if (input.poses[pose].anew) continue;
-    const Vector3& error = found[k].error;
-    const auto [s, c] = math::sincos(headings[k]);
-    result.innovations.push_back({input.poses[pose].t, c * error[0] + s * error[1], -s * error[0] + c * error[1],
-                                  error[2], error.dot(found[k].covariance.inverse() * error), search.used()[k]});
-    ++k;
+  Filter filter = search.filter(p);
+  Found found;
+  for (std::size_t k = 0; filter.next(found); ++k) {
+    const Vector3& error = found.error;
+    const auto [s, c] = math::sincos(filter.expected_heading());
+    result.innovations.push_back({filter.pose().t, c * error[0] + s * error[1], -s * error[0] + c * error[1], error[2],
+                                  error.dot(found.covariance.inverse() * error), search.used()[k]});
   }
   return result;
 }

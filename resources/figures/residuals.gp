@@ -24,7 +24,7 @@ do for [kind in "pdf svg png"] {
   do for [k = 1:3] {
     if (k == 3) { set xlabel "time [s]" offset 0, 0.4 }
     set ylabel label_of[k]
-    plot name . ".csv" using 1:(column(6) == 1 ? scale_of[k] * column(column_of[k]) : NaN) every ::1 with points \
+    plot name . ".csv" using 1:(column(6) == 1 ? scale_of[k] * column(column_of[k]) : NaN) every stride::1 with points \
            pointtype 7 pointsize 0.12 linecolor rgb colour[1], \
          "" using 1:(column(6) == 0 ? scale_of[k] * column(column_of[k]) : NaN) every ::1 with points \
            pointtype 2 pointsize 0.4 linecolor rgb colour[2]

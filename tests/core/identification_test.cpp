@@ -109,6 +109,34 @@ TEST(Identification, IntervalsHoldNearAWholeNumberOfTicksAndAfterAShortRun) {
   EXPECT_NEAR(slips / runs, 0.0, 0.3) << "standard deviations; -0.54 if the fit is not discounted";
 }
 
+/// Of a long run the search goes by a part of it first.
+TEST(Identification, ALongRunTellsTheTruth) {
+  const Individual truth = core::random_individual(3);
+  const IdentificationInput input = driven(truth, 3, 1000.0, bends);
+  ASSERT_GT(input.poses.size(), 21'000u);
+  const Identification found = core::identify(input);
+  ASSERT_TRUE(found.converged);
+  for (const Unknown unknown : {Unknown::left_diameter, Unknown::right_diameter, Unknown::track, Unknown::delay}) {
+    const Estimate& e = found[unknown];
+    EXPECT_NEAR((e.value - truth_of(truth, unknown)) / ((e.high - e.low) / 3.92), 0.0, 3.5) << word(unknown);
+    EXPECT_TRUE(e.known) << word(unknown);
+  }
+}
+
+TEST(Identification, ALongRunWhoseRobotStoodAtFirstTellsTheTruthToo) {
+  Individual truth = core::random_individual(4);
+  truth.actuation_delay = 0.31, truth.camera_delay = 0.0;
+  const IdentificationInput input = driven(truth, 4, 1000.0, [](double t) {
+    return t < 940.0 ? Twist{0.0, 0.0} : bends(t);
+  });
+  const Identification found = core::identify(input);
+  ASSERT_TRUE(found.converged);
+  for (const Unknown unknown : {Unknown::left_diameter, Unknown::right_diameter, Unknown::track, Unknown::delay}) {
+    const Estimate& e = found[unknown];
+    EXPECT_NEAR((e.value - truth_of(truth, unknown)) / ((e.high - e.low) / 3.92), 0.0, 3.5) << word(unknown);
+  }
+}
+
 TEST(Identification, IsExactWhereNothingIsNoisy) {
   Individual truth;
   truth.wheels = core::random_individual(3).wheels;

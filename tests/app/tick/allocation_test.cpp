@@ -1,7 +1,9 @@
-// The tick allocates nothing: counted in a program of its own, which replaces operator new.
+// The tick allocates nothing, and what reads long runs little: counted in a program of its own, which replaces operator
+// new.
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <cmath>
 #include <cstdlib>
 #include <new>
 #include <string>
@@ -10,16 +12,18 @@
 #include "app/experiment/experiment_file.h"
 #include "app/session/record_channel.h"
 #include "app/tick/control_tick.h"
+#include "core/estimation/identification.h"
 #include "core/simulation/simulated_robot.h"
 #include "tests/places.h"
 
 namespace {
-std::atomic<long> allocations{0};
+std::atomic<long> allocations{0}, bytes{0};
 }
 
 // Not inlined: GCC would see malloc paired with delete, and warn.
 [[gnu::noinline]] void* operator new(std::size_t size) {
   allocations.fetch_add(1, std::memory_order_relaxed);
+  bytes.fetch_add(static_cast<long>(size), std::memory_order_relaxed);
   if (void* memory = std::malloc(size)) return memory;
   throw std::bad_alloc();
 }
@@ -32,6 +36,20 @@ std::atomic<long> allocations{0};
 
 namespace skein::app {
 namespace {
+
+/// It goes through them some hundred times.
+TEST(Allocation, IdentificationTakesFewTimesTheMemoryOfItsPoses) {
+  core::IdentificationInput input;
+  for (int k = 0; k < 3000; ++k) {
+    const double t = 0.04 * k, way = 0.05 * t, step = 1000.0 * way / (core::pi * input.believed.wheel_diameter);
+    input.wheels.push_back({t, step * (1.0 + 0.1 * std::sin(t)), step});
+    input.poses.push_back({t, {way, 1e-3 * std::sin(7.0 * k), 1e-3 * std::cos(5.0 * k)}});
+  }
+  const long before = bytes;
+  const core::Identification found = core::identify(input);
+  EXPECT_LT(bytes - before, 6 * static_cast<long>(input.poses.size() * sizeof(input.poses.front())));
+  EXPECT_EQ(found.innovations.size(), input.poses.size() - 1);
+}
 
 TEST(Allocation, TheTickAndItsChannelAllocateNothing) {
   Experiment experiment = paper_experiment();

@@ -328,6 +328,22 @@ TEST(Identify, SaysWhatARunCannotTell) {
   ASSERT_EQ(stood.size(), 2u);
   EXPECT_THAT(doubts(stood[0]), ElementsAre(HasSubstr("it never drove")));
   EXPECT_THAT(values_to_keep(stood[0]), IsEmpty());
+
+  const auto once = identify_robots(history_of(shipped_experiment("open-loop.toml", {"duration=0.04"})));
+  EXPECT_THAT(doubts(once[0]), ElementsAre(HasSubstr("it never drove, in 1 pose: ")));
+}
+
+TEST(Identify, DrawsOfALongRunAsManyResidualsAsCanBeSeen) {
+  const Folder folder;
+  IdentifiedRobot robot;
+  robot.history.name = "robot 1";
+  for (int k = 0; k < 90'000; ++k)
+    robot.found.innovations.push_back({0.04 * k, 1e-3 * std::sin(k), 0.0, 0.0, 1.0, true});
+  robot.found.innovations[77'777].used = false;
+  const auto drawn = write_residuals(folder.path, {robot});
+  ASSERT_TRUE(drawn) << drawn.error();
+  EXPECT_LT(std::filesystem::file_size(folder / "residuals_1.svg"), 6u << 20);
+  EXPECT_GT(std::filesystem::file_size(folder / "residuals_1.csv"), 90'000u * 20) << "the data has all of them";
 }
 
 /// A link writes a tick's speeds a little later, which is part of the delay; but when it holds them back, they count
