@@ -289,17 +289,19 @@ Done KeptRun::end(const Statistics::Summary& summary, const End& how) {
     story["files"] = std::move(files);
     return write_file(folder / run_files::story, sealed(story));
   };
-  Done written = write_story(Json::object());
-  complete_ = written.has_value();
-  note(std::move(written));
-  // Last: drawing takes a while, in which the program may be killed, and figures may fill the disk.
-  const Json without_figures = story["files"];
+  // Drawing comes last: it takes a while, in which the program may be killed, and figures may fill the disk.
   Done possible = check_report(folder_);
   std::error_code none_yet;
   const bool recorded = fs::exists(folder / run_files::record, none_yet);  // a run that never began has no figures
+  if (possible && recorded) story[figures_to_come] = true;
+  Done written = write_story(Json::object());
+  complete_ = written.has_value();
+  note(std::move(written));
+  const Json without_figures = story["files"];
   if (!possible || !recorded || !complete_)
     note(std::move(possible));
   else {
+    story.erase(figures_to_come);
     note(write_report(folder_, experiment_, summary));
     if (Done with_figures = write_story(without_figures); !with_figures) {
       note(std::move(with_figures));

@@ -49,6 +49,10 @@ tl::expected<nlohmann::ordered_json, std::string> read_story(const std::string& 
 /// The newest format of run.json, its key "format".
 inline constexpr int story_format = 1;
 
+/// The key of a run.json that says that the run's figures are being drawn: where it stays, the program was killed
+/// meanwhile.
+inline constexpr const char* figures_to_come = "figures_to_come";
+
 /// The text of a run.json whose last value is a hash of all the others.
 std::string sealed(nlohmann::ordered_json story);
 /// Whether it is as sealed() wrote it, apart from blanks; none: it has no such hash.

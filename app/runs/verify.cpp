@@ -29,7 +29,14 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using Step = Verification::Step;
 
-Step check_files(const std::string& folder, const Json& story) {
+/// Whether a file of this name may be left by a program that was killed while it drew the figures.
+bool left_by_drawing(const std::string& name) {
+  constexpr const char* draft = ".new";  // of write_file
+  return name.starts_with("figure3.") || name.starts_with("figure4.") ||
+         name == std::string(run_files::story) + draft || name == std::string(run_files::summary) + draft;
+}
+
+Step check_files(const std::string& folder, const Json& story, std::vector<std::string>& notes) {
   Step step{"files", true, {}};
   constexpr std::size_t most = 20;  // sentences
   std::size_t failed = 0;
@@ -55,8 +62,18 @@ Step check_files(const std::string& folder, const Json& story) {
     else if (text_at(file, "sha256") != *hash)
       fail(fmt::format("{}: was changed after the run: its SHA-256 is {}", name, *hash));
   }
-  for (const std::string& name : files_of_run(folder))
-    if (!known.contains(name)) fail(fmt::format("{}: does not belong to the run", name));
+  const bool killed_while_drawing = story.value(figures_to_come, Json()) == true;
+  std::string left;
+  for (const std::string& name : files_of_run(folder)) {
+    if (known.contains(name)) continue;
+    if (killed_while_drawing && left_by_drawing(name))
+      left += (left.empty() ? "" : ", ") + name;
+    else
+      fail(fmt::format("{}: does not belong to the run", name));
+  }
+  if (killed_while_drawing)
+    notes.push_back(fmt::format("the program was killed while it drew the run's figures: `skein report` draws them{}",
+                                left.empty() ? "" : "; not verified, and perhaps not complete: " + left));
   std::error_code error;
   for (fs::recursive_directory_iterator one(folder, error), end; !error && one != end; one.increment(error)) {
     std::error_code gone;
@@ -201,7 +218,7 @@ tl::expected<Verification, std::string> verify_run(const std::string& folder) {
   else
     result.notes.emplace_back(
         "run.json has no SHA-256 of its own, as those of earlier versions: what it says is not verified");
-  result.steps.push_back(check_files(folder, *story));
+  result.steps.push_back(check_files(folder, *story, result.notes));
   auto readable = check_is_file(csv);
   errno = 0;
   if (readable && !std::ifstream(csv))

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <fstream>
@@ -412,6 +414,37 @@ TEST(Verify, NoticesAChangedByteAMissingFileAndOneTooMany) {
   std::filesystem::remove(run + "/mine.txt");
   std::filesystem::remove(run + "/figure3.svg");
   EXPECT_FALSE(holds(*verify_run(run), "files"));
+}
+
+/// Its results are whole; what is left of the figures proves nothing, and is named.
+TEST(Verify, ARunThatWasKilledWhileItsFiguresWereDrawnHolds) {
+  const Folder folder;
+  std::string run;
+  {
+    const OtherGnuplot gnuplot(folder, "kill -9 $PPID\n");
+    const pid_t child = ::fork();
+    if (child == 0) {
+      keep(folder, folder / "runs", text);
+      ::_exit(0);
+    }
+    int status = 0;
+    ASSERT_EQ(::waitpid(child, &status, 0), child);
+    ASSERT_TRUE(WIFSIGNALED(status));
+  }
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "runs")) run = entry.path();
+  ASSERT_TRUE(std::filesystem::exists(run + "/figure3.gp"));
+  std::ofstream(run + "/figure3.pdf") << "half of it";
+  std::ofstream(run + "/run.json.new") << "{";
+  auto found = verify_run(run);
+  ASSERT_TRUE(found) << found.error();
+  EXPECT_TRUE(found->holds());
+  ASSERT_EQ(found->notes.size(), 1u);
+  EXPECT_EQ(found->notes[0],
+            "the program was killed while it drew the run's figures: `skein report` draws them; not verified, and "
+            "perhaps not complete: figure3.dat, figure3.gp, figure3.pdf, run.json.new");
+  std::ofstream(run + "/mine.txt") << "a note";
+  EXPECT_FALSE(holds(*verify_run(run), "files"));
+  EXPECT_FALSE(read_story(keep(folder, folder / "others", text)).value().contains(figures_to_come));
 }
 
 /// What is no file has no hash, and reading a FIFO would wait for ever.
