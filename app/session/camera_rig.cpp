@@ -236,13 +236,22 @@ bool CameraRig::receive() {
   if (!read)
     reason_ = read.error();
   else if (!*read)
-    reason_ = fmt::format("{}: the stream is at its end", spec_.source);
+    reason_ = fmt::format("{}: the stream is at its end{}", spec_.source, never_seen());
   if (!reason_.empty()) return false;
   const double now = clock_.now();
   frame_.captured_at = live_ ? clock_.from_monotonic(frame_.captured_at) : now;
   const bool stamped = live_ && frame_.arrived_at > 0.0;
   seen_.times = {frame_.captured_at, stamped ? clock_.from_monotonic(frame_.arrived_at) : now, now, none};
   return true;
+}
+
+/// A film that ends while a run still waits for its robots never shows some of them.
+std::string CameraRig::never_seen() const {
+  std::string all;
+  for (std::size_t i = 0; i < experiment_.robots.size(); ++i)
+    if (last_sights_->newest(i) <= core::Measurement::never)
+      all += fmt::format("{} {} (robot {})", all.empty() ? "; tags never seen:" : ",", wanted_[i], i + 1);
+  return all;
 }
 
 void CameraRig::answer_question() {

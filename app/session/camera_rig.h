@@ -119,6 +119,7 @@ class CameraRig {
   void work_off();
   void judge_frame();
   bool repeats();
+  std::string never_seen() const;  // empty: all have been seen
   void answer_question();
   void watch_source();
   void film_frame(std::string note);

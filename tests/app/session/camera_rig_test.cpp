@@ -183,6 +183,23 @@ TEST(CameraRig, ARunThatSeesNobodySaysTheSizeThatWouldFit) {
   EXPECT_TRUE(failure.ends_with("; if the black edge of the tags measures 40 mm: --set tags.size=0.04")) << failure;
 }
 
+/// It said only that the stream was at its end.
+TEST(CameraRig, AFilmThatEndsBeforeAllAreSeenNamesThoseThatItDoesNotShow) {
+  Lab lab;
+  for (int k = 20; k < 500; ++k) fs::remove(lab.folder / "film" / (std::to_string(k) + ".pgm"));
+  const Experiment experiment = lab.experiment("cal.toml", {"tags.size=0.04"});
+  OpenRig opened(experiment, false);
+  ASSERT_TRUE(opened.rig);
+  for (int k = 0; k < 21; ++k) {
+    opened.clock.set(0.04 * k);
+    opened.rig->process_frame();
+  }
+  EXPECT_TRUE(opened.rig->failed());
+  EXPECT_EQ(opened.rig->reason(), "images:" + (lab.folder / "film").string() +
+                                      ": the stream is at its end; tags never seen: 2 (robot 2), 3 (robot 3), "
+                                      "4 (robot 4)");
+}
+
 TEST(CameraRig, AFrameThatIsDueIsWatchedForWithoutSleeping) {
   const Lab lab;
   const Experiment experiment = lab.experiment("cal.toml");
