@@ -196,6 +196,8 @@ tl::expected<void, std::string> check_calibration_target(const std::filesystem::
   if (!fs::is_directory(folder, ignored)) return refuse(fmt::format("there is no folder {}", folder.string()));
   if (::access(folder.c_str(), W_OK | X_OK) != 0)
     return refuse(fmt::format("nothing can be written to the folder {} ({})", folder.string(), std::strerror(errno)));
+  // As it will be written: a name may be too long for its draft, and a folder of the kernel's takes no file of anybody.
+  if (const auto change = FileChange::begin(path.string()); !change) return tl::unexpected(change.error());
   return {};
 }
 

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <optional>
+#include <system_error>
 #include <vector>
 
 #include "app/calibration/calibration_file.h"
@@ -72,10 +74,7 @@ std::string in_the_way(const JointRequest& request, const std::vector<fs::path>&
     if (request.save && path->empty() && path - paths.begin() + 1 != static_cast<std::ptrdiff_t>(request.reference))
       return camera + " has no calibration file to write to; allowed: --out FOLDER";
     if (path->empty()) continue;
-    if (request.save) {
-      if (const auto possible = check_calibration_target(*path); !possible) return possible.error();
-      continue;
-    }
+    if (request.save) continue;
     if (std::find(paths.begin(), path, *path) != path)
       return fmt::format("{}: the calibrations of two cameras have this name; allowed: names that differ",
                          path->string());
@@ -84,6 +83,26 @@ std::string in_the_way(const JointRequest& request, const std::vector<fs::path>&
   }
   return {};
 }
+
+/// A folder that is there for as long as this is, and stays if it has got a file by then.
+class Folder {
+ public:
+  /// Makes it, where it is not there; `error` says why not.
+  Folder(const fs::path& path, std::error_code& error) {
+    for (fs::path at = path; !at.empty() && !fs::exists(at, error) && !error; at = at.parent_path())
+      made_.push_back(at);
+    if (!error) fs::create_directories(path, error);
+  }
+  ~Folder() {
+    std::error_code not_empty;
+    for (const fs::path& folder : made_) fs::remove(folder, not_empty);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+
+ private:
+  std::vector<fs::path> made_;  // the innermost first
+};
 
 }  // namespace
 
@@ -102,6 +121,17 @@ int calibrate_joint(const JointRequest& request) {
                   wrong_input);
   const std::vector<fs::path> paths = destinations(request, *experiment);
   if (const std::string why = in_the_way(request, paths); !why.empty()) return refuse(why, wrong_input);
+  // Before the films are searched, which takes minutes.
+  std::optional<Folder> folder;
+  if (!request.out.empty()) {
+    std::error_code error;
+    folder.emplace(request.out, error);
+    if (error) return refuse(fmt::format("{}: cannot be made: {}", request.out, error.message()), wrong_input);
+  }
+  for (const fs::path& path : paths)
+    if (const auto possible = path.empty() ? tl::expected<void, std::string>() : check_calibration_target(path);
+        !possible)
+      return refuse(possible.error(), wrong_input);
   const bool show_progress = !request.quiet && isatty(STDERR_FILENO) != 0;
   const auto found =
       joint_films(*experiment, request.film, request.reference - 1, [&](std::size_t camera, std::int64_t frames) {
@@ -114,11 +144,6 @@ int calibrate_joint(const JointRequest& request) {
   if (!found) return refuse(found.error() + "; nothing was written", device_failed);
   for (const std::string& skipped : found->skipped) complain(fmt::format("skipped {}", skipped));
   if (!request.quiet) print(*found, request.reference - 1);
-  if (!request.out.empty()) {
-    std::error_code error;
-    fs::create_directories(request.out, error);
-    if (error) return refuse(fmt::format("{}: cannot be made: {}", request.out, error.message()), wrong_input);
-  }
   for (std::size_t k = 0; k < paths.size(); ++k) {
     if (paths[k].empty()) continue;
     const auto old = replace_calibration(found->joint.cameras[k].calibration, paths[k]);

@@ -132,5 +132,19 @@ TEST(CalibrateJoint, RefusesWhatItCannotUse) {
   EXPECT_THAT(lab.run(2), HasSubstr("has one camera; needed: two or more ([[camera.also]])"));
 }
 
+/// It was refused only when all films had been searched.
+TEST(CalibrateJoint, WhereResultsGoIsCheckedBeforeTheFilmsAreSearched) {
+  JointLab lab;  // without a film: the search would be the first to miss it
+  std::ofstream(lab.folder / "file") << "no folder";
+  for (const std::string& out : {lab.folder / "file", lab.folder / "file/joint", std::string("/proc/nowhere"),
+                                 std::string("/proc/self"), std::string(300, 'n')}) {
+    lab.request.out = out;
+    EXPECT_THAT(lab.run(2), testing::Not(HasSubstr("run.mkv"))) << out;
+  }
+  lab.request.out = lab.folder / "new/joint";
+  EXPECT_THAT(lab.run(3), HasSubstr("run.mkv"));
+  EXPECT_FALSE(std::filesystem::exists(lab.folder / "new")) << "nothing is left behind";
+}
+
 }  // namespace
 }  // namespace skein::app

@@ -434,6 +434,13 @@ TEST_F(Mistakes, TooFewPicturesOfABoardAreCounted) {
   EXPECT_THAT(said, HasSubstr("(pictures looked at: 1)"));
 }
 
+TEST_F(Mistakes, WhereACalibrationGoesIsCheckedBeforeAPictureIsRead) {
+  for (const std::string& place : {std::string("/proc/cal.toml"), std::string(251, 'n') + ".toml"}) {
+    EXPECT_EQ(shell("$skein calibrate intrinsics images:nowhere --out " + place), 2) << place;
+    EXPECT_THAT(said, AllOf(HasSubstr(place), HasSubstr("cannot be written"), Not(HasSubstr("nowhere")))) << place;
+  }
+}
+
 /// The first picture may be of anything, such as a small one that another program has left there.
 TEST_F(Mistakes, TheFirstPictureOfTheBoardSaysHowLargePicturesAre) {
   std::filesystem::create_directories(folder_ / "pictures");
