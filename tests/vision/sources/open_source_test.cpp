@@ -118,6 +118,25 @@ TEST(Images, DamagedOnesAreSkippedAndReported) {
   EXPECT_EQ((*source)->status().damaged, 3) << "a run says so";
 }
 
+/// A sensor's 10 or 12 bits in files of 16, as other programs write them: they were read as if 16 were used, and almost
+/// black.
+TEST(Images, TheBitsThatAreUsedCount) {
+  for (const int bits : {10, 12, 14, 16}) {
+    test::Folder folder;
+    std::string pixels;
+    for (const int grey : {0, 10, 128, 255}) {
+      const int value = grey << (bits - 8);
+      pixels += {static_cast<char>(value >> 8), static_cast<char>(value & 255)};
+    }
+    test::write_file(folder.file("a.pgm"), "P5\n4 1\n65535\n" + pixels);
+    const auto source = open_source("images:" + folder.path());
+    ASSERT_TRUE(source) << source.error();
+    Frame frame;
+    ASSERT_TRUE((*source)->read(frame).value());
+    EXPECT_EQ(frame.grey, (std::vector<std::uint8_t>{0, 10, 128, 255})) << bits;
+  }
+}
+
 /// Such a file is left out like any other that is no picture; its bytes were read, and memory ended.
 TEST(Images, OneThatIsFarTooLargeIsLeftOut) {
   test::Folder folder;
