@@ -57,8 +57,8 @@ void detail::add_family(apriltag_detector& detector, apriltag_family& family, in
 }
 
 void detail::expect_memory_for(int width, int height) {
-  // Of white noise, at full resolution, it takes 28 bytes a pixel; of a floor about 12.
-  constexpr std::size_t per_pixel = 32;
+  // Of white noise, at full resolution, it takes 84 bytes a pixel, while its lists grow; of a floor less.
+  constexpr std::size_t per_pixel = 96;
   const auto limited = [](auto kind) {
     rlimit limit{};
     return ::getrlimit(kind, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY;

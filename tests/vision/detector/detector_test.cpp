@@ -181,6 +181,12 @@ TEST(TagDetector, APictureForWhichThereIsNoMemoryIsAnError) {
   };
   for (const std::size_t megabytes : {20, 40, 60, 80})
     EXPECT_EXIT(with_memory(megabytes), ::testing::ExitedWithCode(7), "") << megabytes;
+  // Between what is certainly too little and what is enough, AprilTag must not begin and then find none.
+  const auto ended_by_itself = [](int status) {
+    return ::testing::ExitedWithCode(7)(status) || ::testing::ExitedWithCode(0)(status);
+  };
+  for (const std::size_t megabytes : {120, 160, 200, 240, 280})
+    EXPECT_EXIT(with_memory(megabytes), ended_by_itself, "") << megabytes;
   EXPECT_EXIT(with_memory(400), ::testing::ExitedWithCode(0), "") << "the control";
 }
 
