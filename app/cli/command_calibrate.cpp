@@ -52,7 +52,9 @@ std::unique_ptr<vision::FrameSource> open(const std::string& name, const CameraW
     status = fail_with(source.error(), device_failed);
     return nullptr;
   }
-  for (const std::string& notice : (*source)->status().notices) complain(notice);
+  const vision::SourceStatus status_now = (*source)->status();
+  for (const std::string& notice : status_now.notices) complain(notice);
+  for (const std::string& remark : status_now.remarks) complain(remark);
   return std::move(*source);
 }
 

@@ -87,6 +87,7 @@ std::string read_calibration(const TrackRequest& request, vision::TrackOptions& 
 
 void report(const vision::TrackSummary& summary) {
   for (const std::string& notice : summary.status.notices) complain(notice);
+  for (const std::string& remark : summary.status.remarks) complain(remark);
   if (summary.status.outages > 0) complain(fmt::format("the last outage: {}", summary.status.reason));
   if (!summary.why_no_tag.empty()) complain(summary.why_no_tag);
   for (const std::string& skipped : summary.skipped) complain(fmt::format("skipped {}", skipped));

@@ -242,6 +242,7 @@ tl::expected<CameraReport, std::string> examine_camera(const CameraCase& wanted)
   for (const std::string& notice : status.notices)
     report.findings.push_back(live ? Finding{State::note, "camera", notice, "skein camera list shows its settings"}
                                    : Finding{State::ill, "times", notice, "record it anew, with the frames' times"});
+  for (const std::string& remark : status.remarks) report.findings.push_back({State::note, "film", remark, {}});
   if (status.passed_over > 0)
     report.findings.push_back(
         {State::note, "passed over",

@@ -283,9 +283,10 @@ std::vector<UnseenTag> CameraRig::why_not_seen() {
   return findings_.why_not_seen(question.frame, question.missing);
 }
 
-/// What the camera does not do as it was asked to, and how fast its frames come.
+/// What the camera does not do as it was asked to, and how fast its frames come; of a film, how it is read.
 void CameraRig::watch_source() {
-  if (!live_) return;
+  if (!source_) return;
+  if (!live_) return findings_.tell_once(source_->status().remarks);
   std::vector<std::string> sentences = source_->status().notices;
   sentences.push_back(rate_watch_.update(frame_.captured_at));
   findings_.tell_once(sentences);

@@ -23,6 +23,7 @@ constexpr int grid_step = 4;              // every fourth pixel of every fourth 
 constexpr std::size_t most_bands = 96;    // of rows
 constexpr std::size_t most_samples = 10;  // frames that are searched for tags
 constexpr double between_samples = 1.0;   // [s]
+constexpr std::int64_t few_frames = 5;    // of a film: the times of fewer say nothing of its rate
 
 // What is still well, and from where on it is ill.
 constexpr double enough_rate = 0.95;    // of what is needed
@@ -271,12 +272,19 @@ std::vector<CameraFinding> CameraExamination::judge(const CameraMeasurements& m)
   const auto graded = [](double value, double some, double much) {
     return value >= much ? State::ill : value >= some ? State::note : State::well;
   };
-  if (m.frames < 2) {
+  const bool timed = facts_.stamps != TimeStamps::nominal, film = facts_.stamps == TimeStamps::film;
+  // Of a film that is over, or of pictures: what one frame shows is judged, and no rate made of the times of two.
+  const bool enough = m.frames >= (film ? few_frames : 2);
+  if (m.frames == 0 || (!enough && timed && !film)) {
     say(State::ill, "frames", fmt::format("{} came", m.frames), "look at the cable and at other programs that use it");
     return findings;
   }
-  const bool timed = facts_.stamps != TimeStamps::nominal;
-  if (timed) {
+  if (!enough)
+    say(State::note, "frames",
+        fmt::format("{} came, too few to judge {}how light and noise change", m.frames,
+                    film ? "rate and regularity, or " : ""),
+        film ? "a film of some seconds" : "more pictures, of a camera that hangs still");
+  if (timed && enough) {
     say(m.rate < enough_rate * facts_.needed_rate ? State::ill : State::well, "frame rate",
         fmt::format("{:.2f} frames/s of {} frames, {:g} wanted", m.rate, m.frames, facts_.needed_rate),
         "a shorter exposure, another format or a smaller picture (--rate, --format, --size); skein camera list");
@@ -330,13 +338,15 @@ std::vector<CameraFinding> CameraExamination::judge(const CameraMeasurements& m)
   }
   if (facts_.row_time > 0.0)
     say(State::well, "row time", fmt::format("{:.3g} us a row, of the calibration", 1e6 * facts_.row_time), {});
-  say(graded(m.flicker, some_flicker, much_flicker), "flicker",
-      fmt::format("the light changes by {:.1f} % from frame to frame and row to row", 100.0 * m.flicker),
-      "an exposure of 10 ms or a multiple (8.33 ms at 60 Hz mains), or lamps with a direct current");
-  // Flicker and the frames beat: seconds differ by as much.
-  say(m.drift - m.flicker >= some_drift ? State::note : State::well, "brightness",
-      fmt::format("changes by {:.1f} % from second to second", 100.0 * m.drift),
-      "set exposure and gain: --set exposure=0.005 --set gain=...; keep daylight out");
+  if (enough) {
+    say(graded(m.flicker, some_flicker, much_flicker), "flicker",
+        fmt::format("the light changes by {:.1f} % from frame to frame and row to row", 100.0 * m.flicker),
+        "an exposure of 10 ms or a multiple (8.33 ms at 60 Hz mains), or lamps with a direct current");
+    // Flicker and the frames beat: seconds differ by as much.
+    say(m.drift - m.flicker >= some_drift ? State::note : State::well, "brightness",
+        fmt::format("changes by {:.1f} % from second to second", 100.0 * m.drift),
+        "set exposure and gain: --set exposure=0.005 --set gain=...; keep daylight out");
+  }
   const std::string light =
       fmt::format("the brightest hundredth is at {} of 255, {:.1f} % are white", m.brightest, 100.0 * m.saturated);
   if (m.saturated >= some_saturated)
@@ -347,7 +357,7 @@ std::vector<CameraFinding> CameraExamination::judge(const CameraMeasurements& m)
         : m.brightest < dim_grey        ? State::note
                                         : State::well,
         "exposure", light, "more light, then a longer exposure (5 ms keep a driving tag sharp), then gain");
-  if (std::isfinite(m.noise))
+  if (enough && std::isfinite(m.noise))
     say(m.noise >= some_noise ? State::note : State::well, "noise", fmt::format("{:.1f} grey levels", m.noise),
         "less gain and more light");
   if (std::isfinite(m.edge_width))

@@ -23,6 +23,7 @@ struct SourceStatus {
   std::int64_t passed_over = 0;           // intact frames that were skipped because a newer one was there
   std::string reason{};                   // of the last outage
   std::vector<std::string> notices{};     // what it did not do as requested, a sentence each
+  std::vector<std::string> remarks{};     // on how a film's pictures are read, where players show them otherwise
   std::vector<std::string> automatics{};  // which of "exposure", "gain", "focus" it sets by itself, unasked
 };
 

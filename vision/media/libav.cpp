@@ -2,6 +2,7 @@
 
 extern "C" {
 #include <libavutil/crc.h>
+#include <libavutil/display.h>
 }
 
 #include <fmt/format.h>
@@ -10,6 +11,7 @@ extern "C" {
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstring>
 
 namespace skein::vision::media {
 
@@ -41,6 +43,23 @@ void Errors::hear(void* what, int level, const char* format, va_list values) {
   while (words.ends_with('\n') || words.ends_with('.') || words.ends_with(' ')) words.remove_suffix(1);
   ++listening->count_;
   if (!words.empty()) listening->last_ = words;
+}
+
+std::string asked_turn(const AVStream& stream) {
+#if LIBAVFORMAT_VERSION_INT >= AV_VERSION_INT(60, 15, 100)
+  const AVPacketSideData* const data = av_packet_side_data_get(
+      stream.codecpar->coded_side_data, stream.codecpar->nb_coded_side_data, AV_PKT_DATA_DISPLAYMATRIX);
+  const std::uint8_t* const bytes = data == nullptr ? nullptr : data->data;
+#else
+  const std::uint8_t* const bytes = av_stream_get_side_data(&stream, AV_PKT_DATA_DISPLAYMATRIX, nullptr);
+#endif
+  if (bytes == nullptr) return {};
+  std::array<std::int32_t, 9> matrix{};
+  std::memcpy(matrix.data(), bytes, sizeof matrix);
+  const double mirrored = static_cast<double>(matrix[0]) * matrix[4] - static_cast<double>(matrix[1]) * matrix[3];
+  if (mirrored < 0.0) return "mirror its pictures";
+  const double degrees = std::abs(av_display_rotation_get(matrix.data()));
+  return degrees > 0.5 ? fmt::format("turn its pictures by {:.0f} degrees", degrees) : std::string();
 }
 
 bool to_grey(const AVFrame& picture, Scaler& scaler, Frame& frame) {

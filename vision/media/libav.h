@@ -36,6 +36,9 @@ using Picture = std::unique_ptr<AVFrame, FrameDeleter>;
 using Packet = std::unique_ptr<AVPacket, PacketDeleter>;
 using Scaler = std::unique_ptr<SwsContext, ScalerDeleter>;
 
+/// How a film asks players to show its pictures: "turn its pictures by 90 degrees"; empty: as they are.
+std::string asked_turn(const AVStream& stream);
+
 /// A decoded picture as grey values; false: its pixel format cannot be converted. `scaler` is kept from picture to
 /// picture.
 bool to_grey(const AVFrame& picture, Scaler& scaler, Frame& frame);

@@ -69,6 +69,24 @@ class Video final : public FrameSource {
     rate_ = rate.num > 0 && rate.den > 0 ? av_q2d(rate) : 0.0;
     what_ = fmt::format("{} {} ({}x{}, {:.3g} frames/s)", recorded_ ? "recording" : "video", path_, codec_->width,
                         codec_->height, rate_);
+    // Which way up a phone was held changes from film to film; a calibration belongs to lens and sensor.
+    if (const std::string turn = asked_turn(*stream_); !turn.empty())
+      remarks_.push_back(fmt::format(
+          "{}: asks players to {}; they are read as the sensor took them, for which a calibration holds", path_, turn));
+    switch (stream_->codecpar->field_order) {
+      case AV_FIELD_TT:
+      case AV_FIELD_BB:
+      case AV_FIELD_TB:
+      case AV_FIELD_BT:
+        remarks_.push_back(fmt::format(
+            "{}: its frames are interlaced: every other row was taken later, and tags that move are measured wrongly. "
+            "Record without, or convert it: ffmpeg -i IN -vf bwdif -c:v ffv1 OUT.mkv",
+            path_));
+        break;
+      case AV_FIELD_UNKNOWN:
+      case AV_FIELD_PROGRESSIVE:
+        break;
+    }
     return {};
   }
 
@@ -91,7 +109,7 @@ class Video final : public FrameSource {
   const FilmNotes& notes() const override { return notes_; }
   std::span<const std::string> skipped() const override { return skipped_; }
   SourceStatus status() const override {
-    SourceStatus status{.damaged = left_out_.load(std::memory_order_relaxed)};
+    SourceStatus status{.damaged = left_out_.load(std::memory_order_relaxed), .remarks = remarks_};
     if (const std::int64_t frames = out_of_order_.load(std::memory_order_relaxed); frames > 0)
       status.notices.push_back(fmt::format(
           "{}: {} frame{} not later than the frame before, by the film's own times: the frames were counted "
@@ -322,6 +340,7 @@ class Video final : public FrameSource {
   Scaler scaler_;
   Frame judged_;  // of a JPEG, read by a decoder that tells what it meets
   FilmNotes notes_;
+  std::vector<std::string> remarks_;
   bool recorded_ = false;
   bool ended_ = false;
   double rate_ = 0.0;
@@ -351,6 +370,10 @@ std::unique_ptr<FrameSource> open_video(const std::string& path, std::string& er
   if (std::error_code code; !std::filesystem::is_regular_file(path, code)) {
     const bool other = std::filesystem::exists(path, code) && !std::filesystem::is_directory(path, code);
     error = fmt::format("{}: {}", path, other ? "is a device or a FIFO, allowed: a file" : "no such file");
+    return nullptr;
+  }
+  if (std::error_code not_known; std::filesystem::file_size(path, not_known) == 0) {
+    error = fmt::format("{}: not a readable video: the file is empty", path);
     return nullptr;
   }
   auto video = std::make_unique<Video>(path);

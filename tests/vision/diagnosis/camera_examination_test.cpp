@@ -226,6 +226,20 @@ TEST(CameraExamination, WhatCannotBeSeenIsSaid) {
   EXPECT_EQ(faults(black.judge(black.measure())), (Names{"ILL exposure", "note sharpness", "note tags"}))
       << "and no flicker";
 
+  // Of a film of one frame it said to look at the cable, and of two that their rate is that of a whole film.
+  for (const TimeStamps stamps : {TimeStamps::film, TimeStamps::nominal})
+    for (const int frames : {1, 2, 4}) {
+      ExaminationLab few;
+      few.facts.stamps = stamps;
+      few.seconds = frames / few.rate;
+      const auto findings = few.examine();
+      const bool pictures = stamps == TimeStamps::nominal;
+      if (pictures && frames > 1) continue;  // as many as are judged
+      EXPECT_EQ(faults(findings), pictures ? (Names{"note frames", "note stamps"}) : Names{"note frames"}) << frames;
+      for (const CameraFinding& finding : findings)
+        EXPECT_TRUE(finding.what != "frame rate" && finding.what != "gaps" && finding.what != "flicker") << frames;
+    }
+
   ExaminationLab lab;
   lab.seconds = 0.2;
   lab.calibration = overhead_calibration(4.0, 3.0);

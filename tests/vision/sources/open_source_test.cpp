@@ -21,6 +21,7 @@ TEST(OpenSource, RefusesWhatItDoesNotKnow) {
 TEST(OpenSource, NamesWhatIsMissingOrUnfit) {
   test::Folder folder;
   test::write_file(folder.file("text.mp4"), "no film");
+  test::write_file(folder.file("empty.mp4"), "");
   test::write_file(folder.file("notes.txt"), "no picture");
   // An MP4 whose end was not written: its kind, and pictures of which nothing is known.
   test::write_file(folder.file("cut.mp4"), std::string("\0\0\0\x18"
@@ -39,6 +40,7 @@ TEST(OpenSource, NamesWhatIsMissingOrUnfit) {
       {"video:" + folder.path(), folder.path() + ": no such file"},
       {"video:" + folder.file("text.mp4"),
        folder.file("text.mp4") + ": not a readable video: Invalid data found when processing input"},
+      {"video:" + folder.file("empty.mp4"), folder.file("empty.mp4") + ": not a readable video: the file is empty"},
       {"video:" + folder.file("cut.mp4"),
        folder.file("cut.mp4") +
            ": not a readable video: its table of frames (moov), which is written last, is missing: the recording or "

@@ -308,6 +308,79 @@ std::string matroska_of(const Bytes& picture, const std::vector<std::uint16_t>& 
   return element("\x1a\x45\xdf\xa3", element("\x42\x82", "matroska")) + element("\x18\x53\x80\x67", film);
 }
 
+std::string four(std::int64_t value) {
+  std::string bytes;
+  for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(value >> shift & 255);
+  return bytes;
+}
+
+/// A film in MP4 of one picture, which its header asks players to turn or mirror: {a, b; c, d} of its matrix. `fields`:
+/// in a frame.
+std::string mp4_of(const Bytes& picture, int width, int height, const std::array<int, 4>& matrix, char fields = 1) {
+  const auto box = [](const char* name, const std::string& content) {
+    return four(static_cast<std::int64_t>(content.size()) + 8) + name + content;
+  };
+  const std::string none = four(0), one = four(1), size = four(width << 16) + four(height << 16);
+  const auto turned = [](const std::array<int, 4>& m) {
+    const auto fixed = [](int value) { return four(value * 65536LL); };
+    return fixed(m[0]) + fixed(m[1]) + four(0) + fixed(m[2]) + fixed(m[3]) + four(0) + four(0) + four(0) +
+           four(0x40000000);
+  };
+  const std::string header = box("mvhd", none + none + none + four(25) + one + four(0x10000) + std::string(12, '\0') +
+                                             turned({1, 0, 0, 1}) + std::string(24, '\0') + four(2));
+  const std::string track =
+      box("tkhd", four(7) + none + none + one + none + one + std::string(16, '\0') + turned(matrix) + size);
+  const std::string format =
+      box("jpeg", std::string(6, '\0') + std::string("\0\1", 2) + std::string(16, '\0') + size.substr(0, 2) +
+                      size.substr(4, 2) + four(0x480000) + four(0x480000) + none + std::string("\0\1", 2) +
+                      std::string(32, '\0') + std::string("\0\x18\xff\xff", 4) + box("fiel", {fields, fields == 2}));
+  const std::string data = box("mdat", std::string(picture.begin(), picture.end()));
+  const std::string table = box("stsd", none + one + format) + box("stts", none + one + one + one) +
+                            box("stsc", none + one + one + one + one) +
+                            box("stsz", none + four(static_cast<std::int64_t>(picture.size())) + one);
+  const std::string media = box("mdhd", none + none + none + four(25) + one + none) +
+                            box("hdlr", none + none + "vide" + std::string(13, '\0'));
+  const std::string begin = box("ftyp", "isom" + none);
+  const std::string tables = box("stbl", table + box("stco", none + one + four(begin.size() + 8)));
+  return begin + data + box("moov", header + box("trak", track + box("mdia", media + box("minf", tables))));
+}
+
+/// A phone's film was read as its sensor took it, and nothing said that players show it otherwise.
+TEST(Mjpeg, AFilmThatPlayersAreToTurnSaysSo) {
+  const Floor floor;
+  const Bytes picture = encode(floor.frame, false);
+  test::Folder folder;
+  const std::string path = folder.file("film.mp4");
+  const auto remarks = [&](const std::array<int, 4>& matrix) {
+    test::write_file(path, mp4_of(picture, floor.frame.width, floor.frame.height, matrix));
+    const auto source = open_source("video:" + path);
+    EXPECT_TRUE(source) << source.error();
+    Frame frame;
+    EXPECT_TRUE((*source)->read(frame).value());
+    EXPECT_EQ(frame.width, floor.frame.width) << "as the sensor took it";
+    return (*source)->status().remarks;
+  };
+  EXPECT_EQ(remarks({1, 0, 0, 1}), std::vector<std::string>()) << "the control";
+  const std::string asks = path + ": asks players to ";
+  const std::string read = "; they are read as the sensor took them, for which a calibration holds";
+  EXPECT_EQ(remarks({0, 1, -1, 0}), std::vector{asks + "turn its pictures by 90 degrees" + read});
+  EXPECT_EQ(remarks({-1, 0, 0, -1}), std::vector{asks + "turn its pictures by 180 degrees" + read});
+  EXPECT_EQ(remarks({-1, 0, 0, 1}), std::vector{asks + "mirror its pictures" + read});
+}
+
+/// Its fields were read as one picture, and nothing said that they were not taken at once.
+TEST(Mjpeg, AnInterlacedFilmSaysSo) {
+  const Floor floor;
+  test::Folder folder;
+  const std::string path = folder.file("film.mp4");
+  test::write_file(
+      path, mp4_of(encode(floor.frame, false), floor.frame.width, floor.frame.height, {1, 0, 0, 1}, /*fields=*/2));
+  const auto source = open_source("video:" + path);
+  ASSERT_TRUE(source) << source.error();
+  ASSERT_EQ((*source)->status().remarks.size(), 1U);
+  EXPECT_TRUE((*source)->status().remarks[0].starts_with(path + ": its frames are interlaced"));
+}
+
 /// Their frames were given other times in silence, and `skein camera doctor` called those regular.
 TEST(Mjpeg, AFilmWhoseTimesAreSetBackSaysSo) {
   const Floor floor;
