@@ -599,7 +599,8 @@ std::string RunIndex::newest() {
   return state_->ask([&] {
     Statement last(state_->database, "SELECT id, began FROM run ORDER BY began DESC, id DESC LIMIT 1");
     if (!last.row()) return state_->newest_unread.id;
-    return state_->newest_unread.began > last.whole(1) ? state_->newest_unread.id : last.text(0);
+    const State::Unread& unread = state_->newest_unread;
+    return !unread.id.empty() && unread.began > last.whole(1) ? unread.id : last.text(0);
   });
 }
 

@@ -725,6 +725,20 @@ TEST_F(Mistakes, APageThatIsInterruptedLeavesNothing) {
   }
 }
 
+/// The newest run was not found where the clock is before 1970.
+TEST_F(Mistakes, AClockThatIsWrongIsNamed) {
+  const std::string library = "/usr/lib/x86_64-linux-gnu/faketime/libfaketime.so.1";
+  if (!std::filesystem::exists(library)) GTEST_SKIP() << "no libfaketime";
+  // The clock of the day alone: no machine's monotonic one is negative.
+  const std::string wrong = "FAKETIME_DONT_FAKE_MONOTONIC=1 FAKETIME=-60y LD_PRELOAD=" + library + " ";
+  EXPECT_EQ(shell(wrong + "$skein run e.toml --set duration=1 --keep --runs-dir runs --quiet && " + wrong +
+                  "$skein runs verify last --runs-dir runs"),
+            0)
+      << said;
+  shell(wrong + "$skein doctor");
+  EXPECT_THAT(out, HasSubstr("ILL   clock: says that it is the year 19"));
+}
+
 TEST_F(Mistakes, ARunWithoutItsRecordIsNotSaidToHaveAnEmptyOne) {
   keep_run("a", "2026-11-01T12:00:00.000+01:00", 0);
   write("runs/a/run.json", R"({"format":1,"files":{}})");

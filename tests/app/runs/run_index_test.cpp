@@ -189,6 +189,13 @@ TEST(RunIndex, TheNewestIsTheOneThatBeganLastWhateverTheTimeZone) {
   EXPECT_TRUE(index.knows({"began"}));
 }
 
+TEST(RunIndex, TheNewestMayBeOfBefore1970) {
+  Folder runs;
+  keep_run(runs, "a", R"({"began":"1965-10-25T02:59:00.000+02:00"})");
+  keep_run(runs, "b", R"({"began":"1966-10-25T02:59:00.000+02:00"})");
+  EXPECT_EQ(find_run("last", runs.path).value(), runs / "b");
+}
+
 TEST(RunIndex, ARunThatSaysNoTimeIsAsOldAsItsFile) {
   for (const char* began :
        {"", "yesterday", "2026-10-25T02:59", "2026-13-45T02:59:00.000+02:00", "9999-10-25T02:59:00.000+02:00",
