@@ -176,6 +176,7 @@ int run(const RunRequest& request) {
     }
     kept = std::move(*begun);
     if (const auto little = little_room(*directory)) complain(*little);
+    if (const auto wrong = wrong_clock()) complain("this machine's clock " + *wrong + ": the kept run bears that date");
     if (!record_to(kept->csv())) return wrong_input;
   }
   const auto keep = [&](const Statistics::Summary& summary, int status, std::vector<std::string> problems,

@@ -6,11 +6,9 @@
 
 #include <cerrno>
 #include <cstring>
-#include <ctime>
-#include <optional>
 #include <system_error>
-#include <utility>
 
+#include "app/runs/kept_run.h"
 #include "app/runs/run_index.h"
 
 namespace skein::app::detail {
@@ -45,15 +43,6 @@ Findings disk(const Machine& machine) {
     result.push_back({*speed < 2 * megabyte ? State::ill : State::note, "disk", found + ": too slow for films",
                       "record on another disk; a CSV needs 0.1 MB/s"});
   return result;
-}
-
-/// Kept runs are named, ordered and found by the time of day, which has nanoseconds until the year 2262.
-std::optional<Finding> wrong_clock() {
-  const std::time_t now = std::time(nullptr);
-  std::tm utc{};
-  if (::gmtime_r(&now, &utc) != nullptr && utc.tm_year + 1900 >= 2020 && utc.tm_year + 1900 < 2262) return {};
-  return Finding{State::ill, "clock", fmt::format("says that it is the year {}", utc.tm_year + 1900),
-                 "set it (timedatectl): kept runs are named and found by it"};
 }
 
 /// Whether a run could be kept.
@@ -100,7 +89,8 @@ Finding kept_runs(const Machine& machine) {
 
 Findings check_storage(const Machine& machine) {
   Findings result = disk(machine);
-  if (auto wrong = wrong_clock()) result.push_back(std::move(*wrong));
+  if (const auto wrong = wrong_clock())
+    result.push_back({State::ill, "clock", *wrong, "set it (timedatectl): kept runs are named and found by it"});
   result.push_back(kept_runs(machine));
   return result;
 }

@@ -11,6 +11,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <ctime>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -208,6 +209,14 @@ std::map<std::string, std::string> experiment_facts(const Experiment& experiment
   facts["experiment.robots"] = fmt::format("{}", experiment.robots.size());
   facts["experiment.obstacles"] = fmt::format("{}", experiment.obstacles.size());
   return facts;
+}
+
+std::optional<std::string> wrong_clock() {
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  constexpr int first = 2020, end = 2262;
+  if (::gmtime_r(&now, &utc) != nullptr && utc.tm_year + 1900 >= first && utc.tm_year + 1900 < end) return {};
+  return fmt::format("says that it is the year {}", utc.tm_year + 1900);
 }
 
 tl::expected<KeptRun, std::string> KeptRun::begin(const KeepRequest& request, const Experiment& experiment) {

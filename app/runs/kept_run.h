@@ -23,6 +23,10 @@ struct KeepRequest {
   std::string text{};  ///< as it was written, if there is no file; empty: the paper's experiment, which is built in
 };
 
+/// What a clock of the day says by which no run is named and found rightly: kept runs are ordered in nanoseconds, which
+/// end in the year 2262. Empty: nothing is wrong with it.
+std::optional<std::string> wrong_clock();
+
 /// The folder of a kept run, with all its inputs and outputs (docs/runs.md lists the files). Its run.json is written at
 /// the beginning, and again at the end with the results and the hash of every file, so that a run that was killed in
 /// between is recognised. One thread.

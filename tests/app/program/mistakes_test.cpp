@@ -735,6 +735,7 @@ TEST_F(Mistakes, AClockThatIsWrongIsNamed) {
                   "$skein runs verify last --runs-dir runs"),
             0)
       << said;
+  EXPECT_THAT(said, HasSubstr("this machine's clock says that it is the year 19"));
   shell(wrong + "$skein doctor");
   EXPECT_THAT(out, HasSubstr("ILL   clock: says that it is the year 19"));
 }
