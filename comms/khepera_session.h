@@ -17,7 +17,8 @@ namespace skein::comms {
 ///
 /// It discards input that arrives while it answers. So one line at a time is sent, and a new command waits for the
 /// answers to the previous one. It has no watchdog.
-inline constexpr WheelUnit khepera_unit{.metres_per_step = 0.6781e-3, .fastest = 1200, .most_unconfirmed = 0};
+inline constexpr WheelUnit khepera_unit{
+    .metres_per_step = 0.6781e-3, .fastest = 1200, .most_unconfirmed = 0, .counts_motor_steps = false};
 inline constexpr double khepera_charge_below = 6.8;  ///< with less its battery, of two cells, is low [V]
 
 /// A position as a counter of the same unit as the speeds.

@@ -211,7 +211,8 @@ void LinkSession::read_counters(Encoders encoders, double since, double now) {
     if (std::max(std::abs(left), std::abs(right)) <= possible) {
       counters_.left_steps += left;
       counters_.right_steps += right;
-      turned_at_rest_ |= at_rest && counted_at_rest_ && std::max(std::abs(left), std::abs(right)) > last_step;
+      turned_at_rest_ |= unit_.counts_motor_steps && at_rest && counted_at_rest_ &&
+                         std::max(std::abs(left), std::abs(right)) > last_step;
     }
   }
   counted_at_rest_ = at_rest;

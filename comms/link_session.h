@@ -24,6 +24,9 @@ struct WheelUnit {
   /// the 58 bytes that an e-puck1 can receive at once, in case the radio delays them all, and below the five commands
   /// at which an e-puck2 over WiFi discards all but the newest.
   int most_unconfirmed = 4;
+  /// What it counts are the steps of its own motors, so that a robot whose count changes drives. Encoders also count
+  /// wheels that coast, settle, or are turned by hand.
+  bool counts_motor_steps = true;
 };
 
 /// The conversation with one robot over one link, as a state machine: bytes and times in, bytes and the time of the

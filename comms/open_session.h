@@ -12,7 +12,7 @@
 namespace skein::comms {
 
 /// The open protocol (docs/open-protocol.md), host's side. The robot's is resources/robots/open_robot.
-inline constexpr WheelUnit open_unit{.metres_per_step = 1e-4, .fastest = 32767};
+inline constexpr WheelUnit open_unit{.metres_per_step = 1e-4, .fastest = 32767, .counts_motor_steps = false};
 
 /// A parsed frame.
 struct OpenFrame {

@@ -133,6 +133,22 @@ TEST(KheperaSession, DrivesAndCounts) {
   EXPECT_EQ(status.resynchronisations, 0u);
 }
 
+// The control is WifiSession.ARobotThatSomebodyElseDrivesWhileItIsToStandIsStopped: an e-puck counts its motors' steps.
+TEST(KheperaSession, WheelsThatAHandTurnsAreNoRobotThatDrives) {
+  KheperaLab lab;
+  lab.session.opened(lab.now);
+  lab.exchange();
+  ASSERT_TRUE(lab.session.up());
+  for (int k = 0; k < 5; ++k) {
+    lab.pass(1.0);
+    ASSERT_EQ(lab.take(), "R\n");
+    lab.session.received(test::bytes("r," + std::to_string(700 * k) + ",0\r\n"), lab.now);
+    EXPECT_TRUE(lab.session.up());
+  }
+  EXPECT_EQ(lab.session.status(lab.now).resynchronisations, 0u);
+  EXPECT_EQ(lab.session.status(lab.now).left_steps, 28);
+}
+
 TEST(KheperaSession, ADThatAnswersWhatWasBrokenOffIsNoAcknowledgement) {
   KheperaLab lab;
   (void)ask(lab.robot, "D,100,10");  // what another host has left behind
