@@ -246,7 +246,7 @@ QString sentence(const app::Event& event) {
 }
 
 QString sentence(const app::Event& event, const std::vector<app::RobotStatus>& robots) {
-  const QString what = sentence(event);
+  QString what = sentence(event);
   const auto* const link = std::get_if<app::events::Link>(&event);
   if (!link || link->state == app::LinkState::up || link->robot >= robots.size()) return what;
   const std::string& reason = robots[link->robot].reason;
