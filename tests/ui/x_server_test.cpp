@@ -18,7 +18,7 @@ class XServer : public ShownProgram {
     // It finds a free display by itself and says which.
     server.start(program,
                  {QStringLiteral("-displayfd"), QStringLiteral("1"), QStringLiteral("-screen"), QStringLiteral("0"),
-                  QStringLiteral("1400x900x24"), QStringLiteral("-nolisten"), QStringLiteral("tcp")});
+                  QStringLiteral("1400x900x24"), QStringLiteral("-nolisten"), QStringLiteral("tcp"), QStringLiteral("-noreset")});
     if (!server.waitForReadyRead(patience_ms))
       GTEST_SKIP() << "Xvfb does not start: " << server.readAllStandardError().toStdString();
     display = QStringLiteral(":") + QString::fromLatin1(server.readLine().trimmed());
