@@ -16,9 +16,9 @@ class XServer : public ShownProgram {
     const QString program = QStandardPaths::findExecutable(QStringLiteral("Xvfb"));
     if (program.isEmpty()) GTEST_SKIP() << "there is no Xvfb: install the package xvfb";
     // It finds a free display by itself and says which.
-    server.start(program,
-                 {QStringLiteral("-displayfd"), QStringLiteral("1"), QStringLiteral("-screen"), QStringLiteral("0"),
-                  QStringLiteral("1400x900x24"), QStringLiteral("-nolisten"), QStringLiteral("tcp"), QStringLiteral("-noreset")});
+    server.start(program, {QStringLiteral("-displayfd"), QStringLiteral("1"), QStringLiteral("-screen"),
+                           QStringLiteral("0"), QStringLiteral("1400x900x24"), QStringLiteral("-nolisten"),
+                           QStringLiteral("tcp"), QStringLiteral("-noreset")});
     if (!server.waitForReadyRead(patience_ms))
       GTEST_SKIP() << "Xvfb does not start: " << server.readAllStandardError().toStdString();
     display = QStringLiteral(":") + QString::fromLatin1(server.readLine().trimmed());
