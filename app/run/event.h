@@ -337,7 +337,7 @@ class EventList {
  public:
   /// The largest number of events in one tick: all changes before a start are reported at the start.
   static constexpr std::size_t room_for(std::size_t robots) noexcept {
-    constexpr std::size_t others = 96 + most_parameters, of_a_robot = 4,
+    constexpr std::size_t others = 96 + most_parameters, of_a_robot = 5,
                           of_a_pair = 4;  // a pair: three gains, and whether it is coupled
     return others + of_a_robot * robots + of_a_pair * (robots * (robots - 1) / 2);
   }

@@ -252,7 +252,7 @@ std::size_t ControlLoop::most_events(const OperatorCommand& command) const noexc
 
 /// How many more events may come of what is asked of this tick, beside those that the tick makes itself.
 std::size_t ControlLoop::room_for_events(const EventList& events) const noexcept {
-  const std::size_t own = 16 + 3 * experiment_.robots.size();
+  const std::size_t own = 16 + 4 * experiment_.robots.size();
   std::size_t expected = own;
   for (const OperatorCommand& command : obeyed_) expected += most_events(command);
   return events.room() - std::min(events.room(), expected);
@@ -261,11 +261,6 @@ std::size_t ControlLoop::room_for_events(const EventList& events) const noexcept
 /// The operator's commands to this tick. A step is a resume (or the start) now and a pause at the tick that follows:
 /// the record of it can be replayed like any other. What the tick's events have no room for waits for the next tick.
 void ControlLoop::take_commands(const EventList& events) {
-  // A robot whose link is lost is held, until the operator releases it: somebody may be handling the robot.
-  auto first = obeyed_.begin();
-  for (const Event& event : events)
-    if (const auto* const link = std::get_if<events::Link>(&event); link && link->state != LinkState::up)
-      first = std::next(obeyed_.insert(first, commands::Hold{link->robot, true}));
   const bool ends_step = std::exchange(stepping_, false);
   if (ends_step) obeyed_.push_back(commands::Pause{});
   std::size_t room = room_for_events(events);

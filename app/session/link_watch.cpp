@@ -54,6 +54,8 @@ std::optional<std::string> LinkWatch::update(const std::vector<comms::LinkStatus
     Cell& cell = cells_[k];
     const LinkState state = state_of(link.state);
     cell.state.store(state, std::memory_order_relaxed);
+    // It was opened again since the last update, which may be late: then it was lost in between.
+    const bool reopened = static_cast<double>(link.reconnects) > cell.reconnects.load(std::memory_order_relaxed);
     cell.left.store(static_cast<double>(link.left_steps), std::memory_order_relaxed);
     cell.right.store(static_cast<double>(link.right_steps), std::memory_order_relaxed);
     if (wall_) {  // what the machine's speed decides is no part of a run that repeats to the bit
@@ -67,12 +69,14 @@ std::optional<std::string> LinkWatch::update(const std::vector<comms::LinkStatus
       cell.battery.store(link.battery.volts, std::memory_order_relaxed);
     }
     const bool up = state == LinkState::up;
-    if (!up && (link.out_for > bridge_ || is_gone(link.state))) {
-      cell.reported.store(state, std::memory_order_release);
+    const bool known = cell.reported.load(std::memory_order_relaxed) != LinkState::up;
+    if ((!up && (link.out_for > bridge_ || is_gone(link.state))) || (reopened && !known)) {
+      const LinkState was = up ? LinkState::down : state;
+      cell.reported.store(was, std::memory_order_release);
       if (!lost)
-        lost = fmt::format("robot {}: the link is {}{}{}", cell.robot + 1, word(state), link.reason.empty() ? "" : ": ",
-                           link.reason);
-    } else if (up) {
+        lost = fmt::format("robot {}: the link {} {}{}{}", cell.robot + 1, up ? "was" : "is", word(was),
+                           link.reason.empty() ? "" : ": ", link.reason);
+    } else if (up && known && cell.told.load(std::memory_order_acquire) != LinkState::up) {
       cell.reported.store(LinkState::up, std::memory_order_release);
     }
   }
@@ -82,10 +86,10 @@ std::optional<std::string> LinkWatch::update(const std::vector<comms::LinkStatus
 void LinkWatch::tell(EventList& events) noexcept {
   for (Cell& cell : cells_) {
     const LinkState reported = cell.reported.load(std::memory_order_acquire);
-    const bool came_or_went = (reported == LinkState::up) != (cell.told == LinkState::up);
-    if (!came_or_went || events.full()) continue;
-    cell.told = reported;
+    const bool told_up = cell.told.load(std::memory_order_relaxed) == LinkState::up;
+    if ((reported == LinkState::up) == told_up || events.full()) continue;
     events.add(events::Link{cell.robot, reported});
+    cell.told.store(reported, std::memory_order_release);
   }
 }
 

@@ -2,7 +2,6 @@
 
 #include <atomic>
 #include <cstddef>
-#include <cstdint>
 #include <deque>
 #include <optional>
 #include <string>
@@ -23,7 +22,8 @@ class LinkWatch {
   /// without an answer [s]; without a connection it is lost at once. `wall`: the run's clock.
   LinkWatch(const std::vector<std::size_t>& robots, double bridge, bool wall);
 
-  /// Updates the links' status. Returns a sentence about the first lost link, if any. One thread.
+  /// Updates the links' status. Returns a sentence about the first lost link, if any. One thread. A link that is lost
+  /// and back before the control thread asks is told like any other.
   std::optional<std::string> update(const std::vector<comms::LinkStatus>& links);
 
   /// Adds an event for every link that was lost or came back since the last call, as far as there is room. Control
@@ -38,9 +38,9 @@ class LinkWatch {
     std::size_t robot;
     std::atomic<LinkState> state{LinkState::up};
     std::atomic<LinkState> reported{LinkState::up};  // "up" until it is lost
+    std::atomic<LinkState> told{LinkState::up};      // by the control thread
     std::atomic<double> round_trip{none}, round_trip_p99{none}, battery{none}, left{none}, right{none}, bytes{none},
         losses{none}, reconnects{none};
-    LinkState told = LinkState::up;  // control thread only
   };
 
   std::deque<Cell> cells_;  // atomics cannot move

@@ -121,6 +121,7 @@ TickMemory::TickMemory(const Experiment& e, const core::Gains& first, const core
   record.by_camera.resize(e.cameras() > 1 ? e.cameras() * n : 0);
   seen_or_missed.resize(n);
   held.resize(n);
+  link_lost.resize(n);
   obedience.resize(n);
   stuck.resize(n);
   standing.reserve(obstacles.all().size() + n);

@@ -16,7 +16,11 @@ constexpr double staged_for = 0.5;
 /// Phase and time: the experiment's clock counts ticks, and stands still unless the experiment runs.
 void TickState::begin(const TickInput& input) noexcept {
   record.events.clear();
-  for (const Event& event : input.events) note(event);
+  for (const Event& event : input.events) {
+    note(event);
+    if (const auto* const link = std::get_if<events::Link>(&event))
+      link_lost[link->robot] = link->state != LinkState::up;
+  }
   record.period = input.now - last_now;
   record.now = last_now = input.now;
   if (input.elapsed > 1) note(events::DeadlineMissed{input.elapsed - 1});
@@ -32,6 +36,10 @@ void TickState::begin(const TickInput& input) noexcept {
     note(events::Staged{});
   }
   for (const OperatorCommand& command : input.commands) obey(command, input.recorded);
+  // A robot whose link is lost is held until the link is back and the operator releases it: somebody may be handling
+  // the robot. A release that was given before the loss was known must not last beyond it.
+  for (std::size_t i = 0; i < robots(); ++i)
+    if (link_lost[i]) obey(commands::Hold{i, true}, input.recorded);
   if (input.stop && record.phase != Phase::stopped && record.phase != Phase::finished) {
     note(events::Stop{});
     record.phase = Phase::stopped;

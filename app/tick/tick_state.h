@@ -84,7 +84,8 @@ struct TickMemory {
   std::vector<core::CameraWatch> camera_watch;  // of each camera
   core::CameraFusion fusion;
   std::vector<bool> seen_or_missed;  // seen, or reported lost: from then on losses and finds are reported
-  std::vector<bool> held;            // made to stand by the operator
+  std::vector<bool> held;            // made to stand by the operator, or since its link was lost
+  std::vector<bool> link_lost;       // and is not back
   std::vector<bool> off_nominal;     // follows a modified reference
   std::vector<DrivenWheels> wheels;
   std::vector<double> acts_at;  // from when on the newest commands act [s]

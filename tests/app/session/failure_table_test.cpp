@@ -39,7 +39,7 @@ struct Group {
       robots.back().place(reference->at(i, 0.0).pose);
     }
   }
-  const TickRecord& step(std::vector<OperatorCommand> commands = {}) {
+  const TickRecord& step(std::vector<OperatorCommand> commands = {}, EventList events = {}) {
     now += experiment.period();
     for (std::size_t i = 0; i < robots.size(); ++i) {
       robots[i].step(experiment.period());
@@ -49,6 +49,7 @@ struct Group {
     input.now = now;
     input.measurements = measured;
     input.commands = commands;
+    input.events = std::move(events);
     input.links = links;
     std::vector<core::Pose> truth;
     truth.reserve(robots.size());
@@ -111,6 +112,33 @@ TEST(FailureTable, ALinkThatComesBackStopsItsRobotFirst) {
     links.run_until(5.0);
     ASSERT_FALSE(links.told().empty());
     EXPECT_EQ(links.told().back().second, "link r2 up");
+  }
+}
+
+/// The operator releases a robot, and its link is lost before the tick comes: or it was up for a moment only, of which
+/// the tick has not heard. Neither lets the robot drive once its link is back.
+TEST(FailureTable, AReleaseFromBeforeALossLetsNoRobotDriveWhenItsLinkIsBack) {
+  for (const bool known_lost : {false, true}) {
+    Group group(others_go_on());
+    group.start();
+    group.steps(10);
+    const auto told = [](LinkState state) {
+      EventList events;
+      events.add(events::Link{1, state});
+      return events;
+    };
+    const std::vector<OperatorCommand> release{commands::Hold{1, false}};
+    group.step({commands::Hold{1, true}});
+    if (known_lost) group.step({}, told(LinkState::down));
+    const TickRecord& row = group.step(release, known_lost ? EventList{} : told(LinkState::down));
+    EXPECT_TRUE(row.events.contains<events::Release>(1) && row.events.contains<events::Hold>(1))
+        << describe(row.events) << ": the log says what became of it";
+    EXPECT_TRUE(row.robots[1].is(stopped));
+    group.steps(10);
+    EXPECT_TRUE(group.step({}, told(LinkState::up)).robots[1].is(stopped)) << "it waits for the operator";
+    group.steps(10);
+    EXPECT_TRUE(group.rows.back().robots[1].is(stopped));
+    EXPECT_FALSE(group.step(release).robots[1].is(stopped));
   }
 }
 
@@ -485,6 +513,35 @@ TEST(LinkWatch, ToldOnceWhenALinkIsLostAndWhenItIsBack) {
   const auto back = look(comms::LinkState::up, 0.0);
   ASSERT_EQ(back.second.size(), 1u);
   EXPECT_EQ(describe(*back.second.begin()), "link r3 up");
+}
+
+/// Ticks may be rare, and the thread that looks at the links may get no time.
+TEST(LinkWatch, TellsOfALossThatIsOverBeforeItIsAskedFor) {
+  LinkWatch watch({0}, 0.2, true);
+  std::vector<comms::LinkStatus> links(1);
+  const auto update = [&](comms::LinkState state) { return links[0].state = state, watch.update(links); };
+  const auto told = [&] {
+    EventList events;
+    watch.tell(events);
+    return describe(events);
+  };
+  links[0].reconnects = 1;  // while the session was opened
+  EXPECT_FALSE(update(comms::LinkState::up));
+  EXPECT_EQ(told(), "");
+  update(comms::LinkState::down);
+  ++links[0].reconnects;
+  EXPECT_FALSE(update(comms::LinkState::up));
+  EXPECT_EQ(told(), "link r1 down");
+  update(comms::LinkState::up);
+  EXPECT_EQ(told(), "link r1 up");
+
+  ++links[0].reconnects;  // between two looks
+  const auto lost = update(comms::LinkState::up);
+  ASSERT_TRUE(lost);
+  EXPECT_EQ(*lost, "robot 1: the link was down");
+  EXPECT_EQ(told(), "link r1 down");
+  EXPECT_FALSE(update(comms::LinkState::up));
+  EXPECT_EQ(told(), "link r1 up");
 }
 
 /// The session's rows as they come.
