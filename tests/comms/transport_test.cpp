@@ -2,6 +2,9 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <linux/filter.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <poll.h>
 #include <pthread.h>
 #include <pty.h>
@@ -16,7 +19,9 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -25,6 +30,7 @@
 #include <vector>
 
 #include "comms/emulator/pty_emulator.h"
+#include "comms/emulator/tcp_epuck.h"
 #include "tests/property.h"
 #include "tests/seconds.h"
 
@@ -53,6 +59,72 @@ TEST(Transport, SaysWhatAnOperatorUnderstands) {
   says(EACCES, serial("/dev/ttyACM0"), "/dev/ttyACM0");
   says(ENOENT, serial("/dev/ttyACM0"), "/dev/ttyACM0");
   says(EWOULDBLOCK, serial("/dev/ttyACM0"), "another program");
+}
+
+constexpr int tcp_rto_max_ms = 44;  // not in the headers of Debian 12
+
+/// To a robot that comes back into reach nothing else brings its stop.
+TEST(Transport, OverTcpWhatWasLostIsSentAgainEverySecond) {
+  TcpEpuck wifi(seconds);
+  const auto transport = Transport::open({LinkKind::tcp, "127.0.0.1", wifi.port(), {}, {}});
+  ASSERT_TRUE(transport) << transport.error().reason;
+  const auto option = [&](int name) {
+    int value = -1;
+    socklen_t size = sizeof value;
+    return ::getsockopt(transport->wanted(false).fd, IPPROTO_TCP, name, &value, &size) == 0 ? value : -1;
+  };
+  if (option(tcp_rto_max_ms) < 0) GTEST_SKIP() << "Linux has this since 6.15";
+  EXPECT_EQ(option(tcp_rto_max_ms), 1000);
+  EXPECT_EQ(option(TCP_USER_TIMEOUT), 120'000) << "15 repetitions would be 15 s: the connection would be given up";
+}
+
+/// What reaches the robot's end while it is out of reach is dropped there by a filter. Beside it a connection that asks
+/// for nothing, the control. In real time: the kernel's clock is the one that counts.
+TEST(Transport, OverTcpAStopArrivesSoonAfterARobotIsBackInReach) {
+  const int listener = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in here{};
+  here.sin_family = AF_INET;
+  here.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof here;
+  ASSERT_EQ(::bind(listener, reinterpret_cast<const sockaddr*>(&here), size), 0);
+  ASSERT_EQ(::listen(listener, 2), 0);
+  ASSERT_EQ(::getsockname(listener, reinterpret_cast<sockaddr*>(&here), &size), 0);
+  auto transport = Transport::open({LinkKind::tcp, "127.0.0.1", ntohs(here.sin_port), {}, {}});
+  ASSERT_TRUE(transport) << transport.error().reason;
+  const int robot = ::accept4(listener, nullptr, nullptr, SOCK_CLOEXEC);
+  const int plain = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  ASSERT_EQ(::connect(plain, reinterpret_cast<const sockaddr*>(&here), sizeof here), 0);
+  const int control = ::accept4(listener, nullptr, nullptr, SOCK_CLOEXEC);
+
+  const std::array<std::uint8_t, 21> stop{0x80};
+  std::array<std::uint8_t, 64> heard;
+  const auto carry = [&] {
+    ASSERT_EQ(transport->write(stop).value(), stop.size());
+    ASSERT_EQ(::send(plain, stop.data(), stop.size(), 0), static_cast<ssize_t>(stop.size()));
+  };
+  carry();
+  for (const int end : {robot, control}) ASSERT_GT(::recv(end, heard.data(), heard.size(), 0), 0);
+
+  sock_filter nothing = BPF_STMT(BPF_RET | BPF_K, 0);
+  const sock_fprog drop{.len = 1, .filter = &nothing};
+  for (const int end : {robot, control})
+    ASSERT_EQ(::setsockopt(end, SOL_SOCKET, SO_ATTACH_FILTER, &drop, sizeof drop), 0);
+  carry();
+  std::this_thread::sleep_for(std::chrono::seconds(4));
+  const int none = 0;
+  for (const int end : {robot, control})
+    ASSERT_EQ(::setsockopt(end, SOL_SOCKET, SO_DETACH_FILTER, &none, sizeof none), 0);
+  const double back = seconds();
+  const auto late = [&](int end) { return ::recv(end, heard.data(), heard.size(), 0) > 0 ? seconds() - back : -1.0; };
+  const double robot_late = late(robot), control_late = late(control);
+  std::printf("out of reach for 4 s: the stop arrives %.2f s later, without asking for it %.2f s later\n", robot_late,
+              control_late);
+  for (const int end : {robot, control, plain, listener}) ::close(end);
+  int longest = 0;
+  socklen_t width = sizeof longest;
+  if (::getsockopt(transport->wanted(false).fd, IPPROTO_TCP, tcp_rto_max_ms, &longest, &width) != 0)
+    GTEST_SKIP() << "Linux before 6.15 cannot be asked";
+  EXPECT_LT(robot_late, control_late);
 }
 
 TEST(Transport, TriesAgainWhatMayPass) {
