@@ -335,33 +335,46 @@ std::vector<StopResult> stop_results(const Experiment& experiment, const std::ve
   return results;
 }
 
-std::string stop_one(const std::vector<comms::LinkAddress>& robots, std::size_t robot) {
+std::string stop_one(const std::vector<comms::LinkAddress>& robots, std::size_t robot,
+                     const std::function<void(const std::string& reason)>& still_tries) {
   comms::LinkOptions options;
   options.close_timeout = stop_timeout;
   options.connect_timeout = comms::connect_patience(robots, robot, options.connect_timeout);
   comms::LinkSupervisor link({robots[robot]}, options);  // one each: none waits for another
-  const auto started = link.start(comms::reach_patience(robots));
+  const auto tell_at = std::chrono::steady_clock::now() + silent_for;
+  bool told = !still_tries;
+  const auto started = link.start(comms::reach_patience(robots), [&] {
+    if (told || std::chrono::steady_clock::now() < tell_at) return true;
+    told = true;
+    const comms::LinkStatus status = link.status().at(0);
+    still_tries(status.reason.empty() ? fmt::format("its link is {}", word(status.state)) : status.reason);
+    return true;
+  });
   const comms::LinkStatus status = link.close(stop_timeout).at(0);
   if (status.stop_acknowledged) return {};
   if (!status.reason.empty()) return status.reason;
   return started ? "it has not acknowledged its stop" : started.error();
 }
 
+void complain_of_waiting(const std::string& address, const std::string& reason) {
+  complain(fmt::format("{}: not stopped yet: {}; trying on", address, reason));
+}
+
 bool stop_all(const std::vector<comms::LinkAddress>& robots) {
-  std::vector<std::future<std::string>> stops;
-  for (std::size_t i = 0; i < robots.size(); ++i)
-    stops.push_back(std::async(std::launch::async, [&robots, i] { return stop_one(robots, i); }));
-  bool all = true;
-  for (std::size_t i = 0; i < stops.size(); ++i) {
-    const std::string failure = stops[i].get();
+  const auto stop = [&robots](std::size_t i) {
     const std::string name = comms::to_text(robots[i]);
-    if (failure.empty()) {
+    const std::string failure =
+        stop_one(robots, i, [&name](const std::string& reason) { complain_of_waiting(name, reason); });
+    if (failure.empty())
       print_out(fmt::format("{}: stopped\n", name));
-    } else {
+    else
       complain(fmt::format("{}: NOT known to be stopped: {}", name, failure));
-      all = false;
-    }
-  }
+    return failure.empty();
+  };
+  std::vector<std::future<bool>> stops;
+  for (std::size_t i = 0; i < robots.size(); ++i) stops.push_back(std::async(std::launch::async, stop, i));
+  bool all = true;
+  for (std::future<bool>& stopped : stops) all = stopped.get() && all;
   return all;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <string>
@@ -62,11 +63,16 @@ tl::expected<std::vector<comms::LinkAddress>, std::string> real_robots(const Exp
 std::vector<StopResult> stop_results(const Experiment& experiment, const std::vector<RobotStatus>& robots);
 
 /// Connects to one of these robots and stops it, waiting long enough for an adapter that has to page all of them.
-/// Empty: it has acknowledged its stop; else the reason.
-std::string stop_one(const std::vector<comms::LinkAddress>& robots, std::size_t robot);
+/// Empty: it has acknowledged its stop; else the reason. `still_tries`: called once if that takes longer than
+/// `silent_for`, with what it waits for.
+std::string stop_one(const std::vector<comms::LinkAddress>& robots, std::size_t robot,
+                     const std::function<void(const std::string& reason)>& still_tries = {});
+inline constexpr auto silent_for = std::chrono::seconds(1);
+/// Says so of a robot on stderr.
+void complain_of_waiting(const std::string& address, const std::string& reason);
 
-/// Connects to all of them at the same time, stops each, and prints the results on stdout and stderr. True: all are
-/// known to stand.
+/// Connects to all of them at the same time, stops each, and prints each result on stdout or stderr as soon as it is
+/// known, and after `silent_for` whom it waits for. True: all are known to stand.
 bool stop_all(const std::vector<comms::LinkAddress>& robots);
 
 }  // namespace skein::app

@@ -16,6 +16,7 @@
 #include <memory>
 #include <optional>
 #include <thread>
+#include <utility>
 
 #include "app/guard/safety_net.h"
 #include "app/run/exit_status.h"
@@ -111,6 +112,8 @@ void say(const StopResult& robot) {
 
 StoppedRun stop_run(const RunMarker& run) {
   const auto give_up = Clock::now() + std::chrono::duration<double>(comms::reach_patience(run.robots));
+  const auto tell_at = Clock::now() + silent_for;
+  bool told = false;
   std::vector<StopResult> robots = all_of(run, false, "neither its run nor its guard has answered");
   // A guard that is frozen goes on at once: it holds the connections, and the run may be frozen as well.
   const auto waking = std::async(std::launch::async, [&run] {
@@ -126,6 +129,9 @@ StoppedRun stop_run(const RunMarker& run) {
       if (all_stand(robots)) return {robots.size() < run.robots.size() ? all_of(run, true, {}) : robots, false};
     }
     if (Clock::now() > give_up) return {robots, false};
+    if (Clock::now() > tell_at && !std::exchange(told, true))
+      for (const StopResult& robot : robots)
+        if (!robot.stopped) complain_of_waiting(robot.address, robot.reason);
     if (answer.reached) continue;
     const std::unique_ptr<Process> guard = run.alive() ? nullptr : guard_of(run);
     if (!guard && !run.alive() && is_there(run)) return {robots, true};

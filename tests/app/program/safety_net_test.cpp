@@ -6,10 +6,12 @@
 #include "app/guard/stop_socket.h"
 #include "app/run/output.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <poll.h>
 #include <signal.h>
 #include <spawn.h>
+#include <sys/file.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -334,6 +336,47 @@ TEST_F(DyingProgram, RobotsStopGoesOnUntilTheGuardHasReachedARobot) {
   ASSERT_EQ(stopped.robots.size(), 1u);
   EXPECT_TRUE(stopped.robots[0].stopped) << stopped.robots[0].reason;
   marker.forget();
+}
+
+TEST_F(DyingProgram, RobotsStopSaysWhomItWaitsForWhileTheGuardTries) {
+  const RunMarker marker = leave_behind();
+  auto socket = StopSocket::listen(marker.socket());
+  ASSERT_TRUE(socket) << socket.error();
+  const double enough = seconds() + 1.5 * std::chrono::duration<double>(silent_for).count();
+  std::jthread guard([&](const std::stop_token& token) {
+    while (!token.stop_requested()) {
+      pollfd caller{socket->descriptor(), POLLIN, 0};
+      ::poll(&caller, 1, 10);
+      const bool stands = seconds() > enough;
+      socket->turn([](std::string_view) {},
+                   [&] {
+                     return std::vector<StopResult>{{comms::to_text(marker.robots[0]), stands, "out of reach"}};
+                   },
+                   /*last=*/true);
+    }
+  });
+  testing::internal::CaptureStderr();
+  EXPECT_TRUE(all_stand(stop_run(marker).robots));
+  EXPECT_EQ(testing::internal::GetCapturedStderr(),
+            "skein: " + comms::to_text(marker.robots[0]) + ": not stopped yet: out of reach; trying on\n");
+  marker.forget();
+}
+
+/// Whoever wants robots to stop must not wonder for 15 s what the program does.
+TEST_F(DyingProgram, StoppingARobotSaysWhatItWaitsForAfterASecond) {
+  const std::vector<comms::LinkAddress> robots{comms::parse_link_address("serial:" + ptys.device(0)).value()};
+  int said = 0;
+  EXPECT_EQ(stop_one(robots, 0, [&](const std::string&) { ++said; }), "");
+  EXPECT_EQ(said, 0) << "it is quick";
+  const int line = ::open(ptys.device(0).c_str(), O_RDWR | O_NOCTTY);
+  ASSERT_EQ(::flock(line, LOCK_EX), 0);
+  const auto failure = stop_one(robots, 0, [&](const std::string& reason) {
+    ++said;
+    EXPECT_EQ(reason, "another program is using the device");
+    ::close(line);
+  });
+  EXPECT_EQ(failure, "") << "and it goes on trying";
+  EXPECT_EQ(said, 1);
 }
 
 // The window would open 5 s later for each such run.
