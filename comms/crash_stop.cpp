@@ -20,6 +20,7 @@ struct Entry {
   std::atomic<int> descriptor{-1};
   std::atomic<const Protocol*> protocol{nullptr};  // set before the descriptor
   std::atomic<bool> stands{false};
+  StopHeard heard;  // the handler's
 };
 struct Thread {
   std::atomic<bool> taken{false};
@@ -55,10 +56,10 @@ void write_stop(const Entry& entry, int descriptor) noexcept {
 }
 
 /// Reads the answer where the thread that would have is this one, and gone.
-bool answered(const Entry& entry, int descriptor) noexcept {
+bool answered(Entry& entry, int descriptor) noexcept {
   std::array<std::uint8_t, 256> bytes;
   const ssize_t count = ::read(descriptor, bytes.data(), bytes.size());
-  return count > 0 && entry.protocol.load()->acknowledged(std::span(bytes).first(static_cast<std::size_t>(count)));
+  return count > 0 && entry.heard.by(*entry.protocol.load(), std::span(bytes).first(static_cast<std::size_t>(count)));
 }
 
 void stop_all() noexcept {
@@ -76,7 +77,7 @@ void stop_all() noexcept {
       if (link_thread_gone && look > 0 && answered(entry, descriptor)) entry.stands.store(true);
       // Once to every robot: one that stands may have a command on its way.
       if (look == 0 || (!entry.stands.load() && look % looks_a_stop == 0)) write_stop(entry, descriptor);
-      if (look == 0) entry.stands.store(false);
+      if (look == 0) entry.stands.store(false), entry.heard.forget();
       all_stand = all_stand && entry.stands.load();
     }
     if (all_stand) return;

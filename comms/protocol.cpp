@@ -65,6 +65,17 @@ constexpr std::array table{
 
 }  // namespace
 
+bool StopHeard::by(const Protocol& protocol, std::span<const std::uint8_t> bytes) noexcept {
+  std::array<std::uint8_t, most + std::tuple_size_v<decltype(end_)>> all;
+  const auto come =
+      std::copy_n(bytes.begin(), std::min(bytes.size(), most), std::copy_n(end_.begin(), size_, all.begin()));
+  const std::span heard(all.begin(), come);
+  const auto kept = heard.last(std::min(heard.size(), end_.size()));
+  size_ = kept.size();
+  std::copy(kept.begin(), kept.end(), end_.begin());
+  return protocol.acknowledged(heard);
+}
+
 std::span<const Protocol> protocols() noexcept {
   return table;
 }

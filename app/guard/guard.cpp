@@ -55,7 +55,10 @@ struct Line {
   const comms::Protocol* protocol = nullptr;  // that is spoken there
   std::int64_t stopped_at = 0;                // written last [ns]
   bool stands = false;                        // the robot has said so since
+  comms::StopHeard heard{};
 
+  /// What the robot said before does not count.
+  void begin_stop() noexcept { stands = false, stopped_at = 0, heard.forget(); }
   void write_stop(std::int64_t now) {
     if (stands || (stopped_at != 0 && now - stopped_at < stop_again)) return;
     [[maybe_unused]] const auto written = ::write(descriptor, stop.data(), stop.size());
@@ -63,13 +66,13 @@ struct Line {
   }
   /// A robot that has no answer of its own to a stop is asked over a new connection.
   void read_answer() {
-    std::array<std::uint8_t, 512> bytes;
+    std::array<std::uint8_t, comms::StopHeard::most> bytes;
     int waiting = 0;  // a terminal that has nothing is not read: see comms/transport.cpp
     // A few rounds: one robot that talks without end must not keep the others waiting.
     for (int round = 0; round < 8 && ::ioctl(descriptor, FIONREAD, &waiting) == 0 && waiting > 0; ++round) {
       const ssize_t count = ::read(descriptor, bytes.data(), bytes.size());
       if (count <= 0) return;
-      stands = stands || (answers() && protocol->acknowledged(std::span(bytes).first(static_cast<std::size_t>(count))));
+      stands = stands || (answers() && heard.by(*protocol, std::span(bytes).first(static_cast<std::size_t>(count))));
     }
   }
   bool answers() const noexcept { return protocol && protocol->answers_stop; }
@@ -138,9 +141,7 @@ void Watch::take(const GuardMessage& message, int descriptor) {
       line = {descriptor,
               {message.stop.begin(), message.stop.begin() + std::min(message.size, std::uint8_t{comms::longest_stop})},
               std::string(message.address.data(), ::strnlen(message.address.data(), message.address.size())),
-              nullptr,
-              0,
-              false};
+              nullptr};
       if (const auto address = comms::parse_link_address(line.address)) line.protocol = &comms::protocol_of(*address);
       return;
     case GuardMessage::Kind::line_closed:
@@ -289,7 +290,7 @@ int guard(const std::string& marker, int descriptor) {
     for (Line& line : watch.lines) {
       if (line.descriptor < 0) continue;
       any = true;
-      if (first) line.stands = false, line.stopped_at = 0;
+      if (first) line.begin_stop();
       if (!first) line.read_answer();
       line.write_stop(now);
     }
@@ -298,7 +299,7 @@ int guard(const std::string& marker, int descriptor) {
 
   // The run is gone. First the lines that it left open: nothing is quicker.
   const std::int64_t ended = comms::monotonic_ns();
-  for (Line& line : watch.lines) line.stands = false, line.stopped_at = 0;
+  for (Line& line : watch.lines) line.begin_stop();
   const auto waits = [](const Line& line) { return line.descriptor >= 0 && !line.stands; };
   for (std::int64_t now = ended;
        now - ended < answers_within && std::any_of(watch.lines.begin(), watch.lines.end(), waits);

@@ -1,7 +1,13 @@
+#include <memory>
+#include <span>
 #include <thread>
+#include <vector>
 
 #include "comms/command_slot.h"
+#include "comms/emulator/epuck_firmware.h"
+#include "comms/emulator/make_firmware.h"
 #include "comms/link_status.h"
+#include "comms/protocol.h"
 #include "comms/round_trips.h"
 #include "tests/property.h"
 
@@ -44,6 +50,36 @@ TEST(CommandSlot, NeverTearsACommand) {
     seen = command.left;
   }
   writer.join();
+}
+
+/// The crash handler and the guard read what is there.
+TEST(StopHeard, AnAnswerCountsInWhateverPiecesItIsRead) {
+  for (const char* const type : {"epuck1", "epuck2", "khepera4", "open"}) {
+    SCOPED_TRACE(type);
+    const core::RobotType& robot = *core::find_robot_type(type);
+    std::unique_ptr<RobotFirmware> firmware = make_firmware(robot);
+    if (!firmware) firmware = std::make_unique<EpuckFirmware>(robot.motor);
+    const Protocol& protocol = *find_protocol(robot.protocol.empty() ? "asercom" : robot.protocol);
+    std::vector<std::uint8_t> answer;
+    firmware->receive(protocol.stop_bytes(), answer);
+    ASSERT_TRUE(protocol.acknowledged(answer));
+    for (std::size_t cut = 0; cut <= answer.size(); ++cut) {
+      StopHeard heard;
+      const std::span all(answer);
+      const bool first = heard.by(protocol, all.first(cut)), second = heard.by(protocol, all.subspan(cut));
+      EXPECT_TRUE(first || second) << cut;
+      if (first || cut == 0) continue;
+      heard.forget();
+      (void)heard.by(protocol, all.first(cut));
+      heard.forget();
+      EXPECT_EQ(heard.by(protocol, all.subspan(cut)), protocol.acknowledged(all.subspan(cut)))
+          << cut << ": what came before the stop does not count";
+    }
+    StopHeard byte_by_byte;
+    std::size_t times = 0;
+    for (const std::uint8_t byte : answer) times += byte_by_byte.by(protocol, {&byte, 1}) ? 1 : 0;
+    EXPECT_GE(times, 1u);
+  }
 }
 
 TEST(RoundTrips, QuantilesOfTheLast256) {
