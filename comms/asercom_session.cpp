@@ -25,7 +25,7 @@ void AsercomSession::begin() {
   parser_.clear();
   stops_unanswered_ = late_answers_ = 0;
   zeros_returned_ = false;
-  version_asked_ = !options_.ask_version || !counters_.version.empty();
+  version_asked_ = !options_.ask_version;
   version_asked_at_ = -never;
 }
 

@@ -49,7 +49,7 @@ bool khepera_acknowledged(std::span<const std::uint8_t> heard) noexcept {
 void KheperaSession::begin() {
   heard_.clear();
   awaited_ = 0;
-  version_asked_ = !options_.ask_version || !counters_.version.empty();
+  version_asked_ = !options_.ask_version;
 }
 
 void KheperaSession::put_stop() {

@@ -36,7 +36,7 @@ struct LinkOptions {
   double battery_period = 0.0;
   /// Send speeds in every tick, even unchanged ones: to measure the radio while robots stand.
   bool repeat_speeds = false;
-  /// Ask for the firmware's version when the link comes up for the first time.
+  /// Ask for the firmware's version on each new connection: another robot may answer there.
   bool ask_version = false;
   /// How long the destructor tries to stop the robots when close() was not called [s].
   double close_timeout = 2.0;

@@ -165,6 +165,23 @@ TEST(LinkSession, OverASlowRadioARobotIsAskedForItsVersionToo) {
   EXPECT_LE(deaf.now, since + LinkOptions{}.reply_timeout + LinkOptions{}.stop_repeat + 1e-6);
 }
 
+/// Robots are swapped, renumbered and flashed while a run waits for them.
+TEST(LinkSession, AnotherRobotOnTheNextConnectionIsAskedWhatItIs) {
+  Lab lab({.ask_version = true});
+  lab.open();
+  const std::string before = lab.session.status(lab.now).version;
+  EXPECT_EQ(before, "Version 2.0 January 2018 GCtronic");
+  lab.session.lost("the line hung up", lab.now);
+  lab.open();
+  EXPECT_EQ(lab.session.status(lab.now).reason, "the line hung up") << "the control: the same robot";
+  lab.session.lost("the line hung up", lab.now);
+  lab.robot = EpuckFirmware(core::MotorModel::epuck1);
+  lab.open();
+  const LinkStatus status = lab.session.status(lab.now);
+  EXPECT_EQ(status.version, "Version 1.2.2 August 2008 GCtronic");
+  EXPECT_EQ(status.reason, "the robot says that it is \"" + status.version + "\", before it was \"" + before + "\"");
+}
+
 TEST(LinkSession, AVersionIsALineThatCanBePrinted) {
   const auto version = [](const std::string& said) {
     Lab lab({.ask_version = true});
