@@ -62,7 +62,8 @@ void Link::turn(short events, std::uint32_t emergency, double now) {
 }
 
 void Link::open(double now) {
-  auto transport = Transport::open(address_);
+  // Once robots may drive, no search for whoever took this one's line may hold up the commands and stops of the others.
+  auto transport = Transport::open(address_, /*name_holder=*/!reached_);
   if (!transport) {
     refusal_ = transport.error().reason;
     return lose(transport.error(), now);

@@ -173,10 +173,10 @@ TransportError describe_transport_error(int error, const LinkAddress& address) {
   }
 }
 
-tl::expected<Transport, TransportError> Transport::open(const LinkAddress& address) {
+tl::expected<Transport, TransportError> Transport::open(const LinkAddress& address, bool name_holder) {
   switch (address.kind) {
     case LinkKind::serial:
-      return open_serial(address);
+      return open_serial(address, name_holder);
     case LinkKind::rfcomm:
       return open_rfcomm(address);
     case LinkKind::tcp:
@@ -186,15 +186,16 @@ tl::expected<Transport, TransportError> Transport::open(const LinkAddress& addre
   return fail(EINVAL, address);
 }
 
-tl::expected<Transport, TransportError> Transport::open_serial(const LinkAddress& address) {
+tl::expected<Transport, TransportError> Transport::open_serial(const LinkAddress& address, bool name_holder) {
+  const auto held_alone = [&] { return held_by(name_holder ? holder_by_opening(address.device) : std::string()); };
   // Before it is opened: two readers of one line would each take some of its bytes.
   if (const std::string holder = holder_by_lock_file(address.device); !holder.empty()) return held_by(holder);
   const int descriptor = ::open(address.device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-  if (descriptor < 0 && errno == EBUSY) return held_by(holder_by_opening(address.device));
+  if (descriptor < 0 && errno == EBUSY) return held_alone();
   if (descriptor < 0) return fail(errno, address);
   Transport transport(descriptor, /*connecting=*/false, address);  // closes the descriptor on the ways out below
   if (::isatty(descriptor) == 0) return fail(ENOTTY, address);
-  if (is_exclusive(descriptor)) return held_by(holder_by_opening(address.device));
+  if (is_exclusive(descriptor)) return held_alone();
   if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0)
     return nothing_now(errno) ? held_by(holder_by_flock(descriptor)) : fail(errno, address);
   if (!make_raw(descriptor)) return fail(errno, address);

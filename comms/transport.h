@@ -30,8 +30,9 @@ class Transport {
  public:
   /// Opens a serial line, or begins to connect a socket: then connecting() is true until the descriptor is writable and
   /// finish_connecting() has returned the result. A serial line is locked (flock) against a second program. A tcp or
-  /// udp address must be resolve()d.
-  static tl::expected<Transport, TransportError> open(const LinkAddress& address);
+  /// udp address must be resolve()d. `name_holder`: search all programs for the one that has a serial line for itself,
+  /// which takes the longer the more files they have open.
+  static tl::expected<Transport, TransportError> open(const LinkAddress& address, bool name_holder = true);
 
   Transport(Transport&& other) noexcept;
   Transport& operator=(Transport&& other) noexcept;
@@ -54,7 +55,7 @@ class Transport {
   Transport(int descriptor, bool connecting, LinkAddress address);
   void connected() noexcept;
   bool nothing_came() const noexcept;
-  static tl::expected<Transport, TransportError> open_serial(const LinkAddress& address);
+  static tl::expected<Transport, TransportError> open_serial(const LinkAddress& address, bool name_holder);
   static tl::expected<Transport, TransportError> open_rfcomm(const LinkAddress& address);
   static tl::expected<Transport, TransportError> open_ip(const LinkAddress& address);
 

@@ -1,5 +1,6 @@
 #include "comms/link_supervisor.h"
 
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -11,6 +12,7 @@
 
 #include "comms/emulator/pty_emulator.h"
 #include "comms/transport.h"
+#include "tests/comms/other_program.h"
 #include "tests/comms/wait_until.h"
 #include "tests/property.h"
 #include "tests/seconds.h"
@@ -94,6 +96,20 @@ TEST_F(Supervised, StartsWithThoseThatAnswerAndSaysOfTheOthersWhyNot) {
   links->command(0, 200, 200);
   EXPECT_TRUE(drives(0, 200, 200));
   EXPECT_TRUE(links->close(10.0).at(0).stop_acknowledged);
+}
+
+/// To search all programs for whoever has the line would hold up the other robots' commands and stops.
+TEST_F(Supervised, WhileRobotsMayDriveNobodyIsSearchedForWhoHasTakenALine) {
+  robots.emplace(std::vector{MotorModel::epuck2}, nullptr, seconds);
+  LinkOptions options = patient;
+  options.reconnect_first = 2.0;  // by then the line is another program's
+  links.emplace(std::vector{LinkAddress{LinkKind::serial, robots->device(0), 0, ""}}, options);
+  ASSERT_TRUE(links->start(10.0));
+  robots->hang_up(0);
+  const OtherProgram manager(robots->device(0), [](int line) { EXPECT_EQ(::ioctl(line, TIOCEXCL), 0); });
+  ASSERT_TRUE(wait_until([&] { return status(0).reason.find("is using the device") != std::string::npos; }))
+      << status(0).reason;
+  EXPECT_EQ(status(0).reason, "another program is using the device");
 }
 
 TEST_F(Supervised, AStartIsEndedByWhoeverNoLongerWantsIt) {

@@ -31,6 +31,7 @@
 
 #include "comms/emulator/pty_emulator.h"
 #include "comms/emulator/tcp_epuck.h"
+#include "tests/comms/other_program.h"
 #include "tests/property.h"
 #include "tests/seconds.h"
 
@@ -174,36 +175,6 @@ struct Terminal {
   int master = -1, line = -1;
 };
 
-/// Another process, which has this terminal open until it is told to end. `before`: what it does with it.
-class OtherProgram {
- public:
-  template <typename Before>
-  OtherProgram(const std::string& device, Before before) {
-    std::array<int, 2> ready{};
-    EXPECT_EQ(::pipe2(ready.data(), O_CLOEXEC), 0);
-    process = ::fork();
-    char byte = 0;
-    if (process == 0) {
-      before(::open(device.c_str(), O_RDWR | O_NOCTTY));
-      (void)!::write(ready[1], &byte, 1);
-      while (true) ::pause();
-    }
-    EXPECT_EQ(::read(ready[0], &byte, 1), 1);
-    ::close(ready[0]);
-    ::close(ready[1]);
-  }
-  OtherProgram(const OtherProgram&) = delete;
-  OtherProgram& operator=(const OtherProgram&) = delete;
-  ~OtherProgram() { end(); }
-  void end() {
-    if (process <= 0) return;
-    ::kill(process, SIGKILL);
-    ::waitpid(std::exchange(process, -1), nullptr, 0);
-  }
-  std::string sentence() const { return fmt::format("(process {}) is using the device", process); }
-  pid_t process = -1;
-};
-
 void expect_refused(const std::string& device, const std::string& sentence) {
   const auto transport = Transport::open(serial(device));
   ASSERT_FALSE(transport) << "it is opened";
@@ -225,6 +196,9 @@ TEST(Transport, NamesTheProgramThatHasTheLineForItself) {
   const std::string device = ::ttyname(terminal.line);
   OtherProgram manager(device, [](int line) { EXPECT_EQ(::ioctl(line, TIOCEXCL), 0); });
   expect_refused(device, manager.sentence());
+  const auto unnamed = Transport::open(serial(device), /*name_holder=*/false);
+  ASSERT_FALSE(unnamed);
+  EXPECT_EQ(unnamed.error().reason, "another program is using the device") << "it is not searched for";
   EXPECT_EQ(::ioctl(terminal.line, TIOCNXCL), 0);
   EXPECT_TRUE(Transport::open(serial(device)));
 }
