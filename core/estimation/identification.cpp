@@ -223,6 +223,8 @@ class Search {
       linearise(p, slope, information_);
       for (int tries = 0;; ++tries) {
         Information damped = information_;
+        for (const Unknown noise : {Unknown::slip, Unknown::sigma_xy, Unknown::sigma_theta})
+          damped(at(noise), at(noise)) = curvature(at(noise), p, slope);
         damped.diagonal() *= 1.0 + damping;
         Parameters step = damped.ldlt().solve(-slope);
         // No step farther than the prior finds likely.
@@ -236,7 +238,7 @@ class Search {
           here = there;
           damping = damping < 1e-3 ? 0.0 : damping * 0.1;
           if (improved < settled || crawls) {
-            linearise(p, slope, information_);
+            inform(p);
             return true;
           }
           break;
@@ -286,7 +288,7 @@ class Search {
     if (!step.allFinite()) return;
     // Farther than a standard deviation a single step is a guess.
     p += step / std::max(1.0, step.cwiseAbs().cwiseQuotient(covariance.diagonal().cwiseSqrt()).maxCoeff());
-    linearise(p, slope, information_);
+    inform(p);
   }
 
   /// Fisher's information tells the posterior's curvature where it is likeliest. Of the delay that is not enough:
@@ -343,6 +345,31 @@ class Search {
   const std::vector<bool>& used() const noexcept { return used_; }
 
  private:
+  /// The information at `p`, a fraction of a standard deviation from where it was taken last: of a long run, which one
+  /// pass less is worth much for, it is the same there.
+  void inform(const Parameters& p) {
+    Parameters slope;
+    if (poses_ <= enough_poses) linearise(p, slope, information_);
+  }
+
+  /// How much steeper the cost becomes per step of a noise. Of a noise that is far below the others the cost is its
+  /// square, an exponential of its logarithm: Fisher's information knows nothing of that curvature, and steps by it
+  /// alone overshoot to and fro, while their damping keeps all other parameters back. Instead, the secant to where
+  /// that exponential and the prior are in balance.
+  double curvature(std::size_t noise, const Parameters& p, const Parameters& slope) const {
+    const double before = 1.0 / math::squared(prior_.sigma[noise]);
+    const double pull = (p[noise] - prior_.mean[noise]) * before, push = slope[noise] - pull;
+    if (!(push > information_(noise, noise) - before)) return information_(noise, noise);
+    constexpr int enough = 50;
+    double way = 0.0;
+    for (int k = 0; k < enough; ++k) {
+      const double steep = push * math::exp(2.0 * way);
+      way -= (pull + before * way + steep) / (before + 2.0 * steep);
+    }
+    constexpr double there = 1e-6;
+    return std::abs(way) > there ? -slope[noise] / way : before + 2.0 * push;
+  }
+
   void linearise(const Parameters& p, Parameters& slope, Information& information) {
     constexpr double h = 1e-6;
     Filter filter = this->filter(p);

@@ -152,6 +152,20 @@ TEST(Identification, IsExactWhereNothingIsNoisy) {
   EXPECT_NEAR(drive.left_diameter() / truth.wheels.left_diameter(), 1.0, 1e-3);
 }
 
+/// Without noise of the poses the cost is flat along its logarithm, which must not keep the others from their best.
+TEST(Identification, NoiseThatIsNearlyNoneHoldsNoOtherValueBack) {
+  Individual truth = core::random_individual(3);
+  truth.pose_noise = truth.heading_noise = 0.0;
+  const IdentificationInput input = driven(truth, 3, 1000.0, bends);
+  const Identification found = core::identify(input);
+  ASSERT_TRUE(found.converged);
+  EXPECT_LE(found.iterations, 30);
+  for (const Unknown unknown : {Unknown::left_diameter, Unknown::right_diameter, Unknown::track, Unknown::delay}) {
+    const Estimate& e = found[unknown];
+    EXPECT_NEAR((e.value - truth_of(truth, unknown)) / ((e.high - e.low) / 3.92), 0.0, 3.5) << word(unknown);
+  }
+}
+
 TEST(Identification, SaysWhatTheDataCannotTell) {
   const Individual truth = core::random_individual(5);
   const Identification ahead = core::identify(driven(truth, 5, 20.0, straight));
