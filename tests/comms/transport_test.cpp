@@ -92,7 +92,7 @@ TEST(Transport, OverTcpAStopArrivesSoonAfterARobotIsBackInReach) {
   ASSERT_EQ(::getsockname(listener, reinterpret_cast<sockaddr*>(&here), &size), 0);
   auto transport = Transport::open({LinkKind::tcp, "127.0.0.1", ntohs(here.sin_port), {}, {}});
   ASSERT_TRUE(transport) << transport.error().reason;
-  const int robot = ::accept4(listener, nullptr, nullptr, SOCK_CLOEXEC);
+  const int reached = ::accept4(listener, nullptr, nullptr, SOCK_CLOEXEC);
   const int plain = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   ASSERT_EQ(::connect(plain, reinterpret_cast<const sockaddr*>(&here), sizeof here), 0);
   const int control = ::accept4(listener, nullptr, nullptr, SOCK_CLOEXEC);
@@ -104,11 +104,11 @@ TEST(Transport, OverTcpAStopArrivesSoonAfterARobotIsBackInReach) {
     ASSERT_EQ(::send(plain, stop.data(), stop.size(), 0), static_cast<ssize_t>(stop.size()));
   };
   carry();
-  for (const int end : {robot, control}) ASSERT_GT(::recv(end, heard.data(), heard.size(), 0), 0);
+  for (const int end : {reached, control}) ASSERT_GT(::recv(end, heard.data(), heard.size(), 0), 0);
 
   sock_filter nothing = BPF_STMT(BPF_RET | BPF_K, 0);
   const sock_fprog drop{.len = 1, .filter = &nothing};
-  for (const int end : {robot, control}) {
+  for (const int end : {reached, control}) {
     if (::setsockopt(end, SOL_SOCKET, SO_ATTACH_FILTER, &drop, sizeof drop) == 0) continue;
     ASSERT_EQ(errno, EPERM);
     GTEST_SKIP() << "this system grants socket filters to the superuser alone";
@@ -116,14 +116,14 @@ TEST(Transport, OverTcpAStopArrivesSoonAfterARobotIsBackInReach) {
   carry();
   std::this_thread::sleep_for(std::chrono::seconds(4));
   const int none = 0;
-  for (const int end : {robot, control})
+  for (const int end : {reached, control})
     ASSERT_EQ(::setsockopt(end, SOL_SOCKET, SO_DETACH_FILTER, &none, sizeof none), 0);
   const double back = seconds();
   const auto late = [&](int end) { return ::recv(end, heard.data(), heard.size(), 0) > 0 ? seconds() - back : -1.0; };
-  const double robot_late = late(robot), control_late = late(control);
+  const double robot_late = late(reached), control_late = late(control);
   std::printf("out of reach for 4 s: the stop arrives %.2f s later, without asking for it %.2f s later\n", robot_late,
               control_late);
-  for (const int end : {robot, control, plain, listener}) ::close(end);
+  for (const int end : {reached, control, plain, listener}) ::close(end);
   int longest = 0;
   socklen_t width = sizeof longest;
   if (::getsockopt(transport->wanted(false).fd, IPPROTO_TCP, tcp_rto_max_ms, &longest, &width) != 0)
