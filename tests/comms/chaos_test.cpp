@@ -2,7 +2,6 @@
 // farther than its blind distance on a stale command while the link could still carry a stop, every fault is recovered
 // from or reported, and nothing grows.
 // SKEIN_CHAOS_MINUTES sets how long (default 4); SKEIN_CHAOS_SEED which faults.
-#include <cstdlib>
 #include <deque>
 #include <memory>
 #include <optional>
@@ -14,6 +13,7 @@
 #include "comms/wifi_session.h"
 #include "core/simulation/random.h"
 #include "tests/comms/held.h"
+#include "tests/from_environment.h"
 #include "tests/property.h"
 
 namespace skein::comms {
@@ -27,11 +27,6 @@ constexpr double allowed = 0.05 + 0.013;
 constexpr double quiet_end = 10.0;      // the faults leave the last seconds alone [s]
 constexpr double fault_interval = 4.0;  // on each robot, on average [s]
 constexpr double recovery = 3.0;        // after the last fault: the longest backoff, and a stop and its answer [s]
-
-double number_from_environment(const char* name, double otherwise) {
-  const char* const text = std::getenv(name);
-  return text ? std::atof(text) : otherwise;
-}
 
 /// One robot, its session, and what Link does between them: it opens again what is lost.
 class ChaosLink {
@@ -170,8 +165,8 @@ class ChaosLink {
 };
 
 TEST(Chaos, NobodyDrivesOnAStaleCommandAndEveryFaultIsRecoveredOrReported) {
-  const double duration = 60.0 * number_from_environment("SKEIN_CHAOS_MINUTES", 4.0);
-  const auto seed = static_cast<std::uint64_t>(number_from_environment("SKEIN_CHAOS_SEED", 1.0));
+  const double duration = 60.0 * test::number_from_environment("SKEIN_CHAOS_MINUTES", 4.0);
+  const auto seed = static_cast<std::uint64_t>(test::number_from_environment("SKEIN_CHAOS_SEED", 1.0));
   const std::vector<Fault> faults = random_faults(robots, duration - quiet_end, fault_interval, seed);
   std::deque<ChaosLink> links;
   for (std::size_t i = 0; i < robots; ++i)

@@ -18,6 +18,7 @@
 #include "core/simulation/simulated_robot.h"
 #include "tests/app/rows.h"
 #include "tests/app/session/failure_links.h"
+#include "tests/app/simulated_robots.h"
 #include "tests/eventually.h"
 
 namespace skein::app {
@@ -32,13 +33,8 @@ using test::eventually;
 
 /// Four ideal robots around a tick, one of which the test holds.
 struct Group {
-  explicit Group(const Experiment& e) : experiment(e), tick(e), measured(e.robots.size()) {
-    const auto reference = make_reference(e);
-    for (std::size_t i = 0; i < e.robots.size(); ++i) {
-      robots.emplace_back(e.robots[i].drive, e.robots[i].motor, e.simulation, e.seed, i);
-      robots.back().place(reference->at(i, 0.0).pose);
-    }
-  }
+  explicit Group(const Experiment& e)
+      : experiment(e), tick(e), robots(test::robots_at_their_references(e)), measured(e.robots.size()) {}
   const TickRecord& step(std::vector<OperatorCommand> commands = {}, EventList events = {}) {
     now += experiment.period();
     for (std::size_t i = 0; i < robots.size(); ++i) {

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -15,6 +14,8 @@
 #include "core/simulation/random.h"
 #include "core/simulation/simulated_robot.h"
 #include "tests/app/session/failure_links.h"
+#include "tests/app/simulated_robots.h"
+#include "tests/from_environment.h"
 
 namespace skein::app {
 namespace {
@@ -37,13 +38,8 @@ class OperatorChaos {
         links_(comms::random_faults(robots, duration - quiet, fault_interval, seed), experiment_.failure.link_bridge,
                experiment_.period(), experiment_.command_silence()),
         random_(seed, 77),
+        bodies_(test::robots_at_their_references(experiment_)),
         measured_(robots) {
-    const auto reference = make_reference(experiment_);
-    for (std::size_t i = 0; i < robots; ++i) {
-      bodies_.emplace_back(experiment_.robots[i].drive, experiment_.robots[i].motor, experiment_.simulation,
-                           experiment_.seed, i);
-      bodies_.back().place(reference->at(i, 0.0).pose);
-    }
     links_.on_tick = [this](const EventList& told) { step(told); };
   }
 
@@ -160,14 +156,9 @@ class OperatorChaos {
   OperatorTally tally_;
 };
 
-int whole_number_from_environment(const char* name, int otherwise) {
-  const char* const text = std::getenv(name);
-  return text ? std::atoi(text) : otherwise;
-}
-
 TEST(OperatorChaos, NobodyIsDrivenAfterALossUnlessReleasedAndNothingThatIsAskedIsLost) {
-  const int first = whole_number_from_environment("SKEIN_CHAOS_SEED", 1),
-            runs = whole_number_from_environment("SKEIN_CHAOS_RUNS", 4);
+  const int first = static_cast<int>(test::number_from_environment("SKEIN_CHAOS_SEED", 1.0));
+  const int runs = static_cast<int>(test::number_from_environment("SKEIN_CHAOS_RUNS", 4.0));
   for (const double rate : {25.0, 1.0}) {
     OperatorTally all;
     for (int seed = first; seed < first + runs; ++seed) {

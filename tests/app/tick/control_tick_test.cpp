@@ -11,6 +11,7 @@
 #include "app/experiment/experiment_file.h"
 #include "core/kinematics/step_motor.h"
 #include "core/simulation/simulated_robot.h"
+#include "tests/app/simulated_robots.h"
 
 namespace skein::app {
 namespace {
@@ -19,13 +20,12 @@ namespace {
 class Bench {
  public:
   explicit Bench(const Experiment& e = paper_experiment())
-      : experiment(e), tick(e), measured(e.robots.size()), truth(e.robots.size()), blind(e.robots.size(), false) {
-    const auto reference = make_reference(e);
-    for (std::size_t i = 0; i < e.robots.size(); ++i) {
-      robots.emplace_back(e.robots[i].drive, e.robots[i].motor, e.simulation, e.seed, i);
-      robots.back().place(reference->at(i, 0.0).pose);
-    }
-  }
+      : experiment(e),
+        tick(e),
+        robots(test::robots_at_their_references(e)),
+        measured(e.robots.size()),
+        truth(e.robots.size()),
+        blind(e.robots.size(), false) {}
 
   const TickRecord& step(std::vector<OperatorCommand> commands = {}, int elapsed = 1) {
     const double dt = elapsed * experiment.period();

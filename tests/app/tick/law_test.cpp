@@ -10,6 +10,7 @@
 #include "core/controllers/controller_types.h"
 #include "core/words.h"
 #include "tests/app/fixture.h"
+#include "tests/app/simulated_robots.h"
 
 namespace skein::app {
 namespace {
@@ -160,12 +161,7 @@ TEST_F(OwnLaw, TurningBesideAnObstacleIsShieldedForTheHeadingInTheMiddleOfTheTic
 
 TEST_F(OwnLaw, AtEachOtherAtFullSpeedIsHeldByTheShield) {
   Experiment e = experiment_of({"controller.command=none"});
-  std::vector<core::SimulatedRobot> robots;
-  const auto reference = make_reference(e);
-  for (std::size_t i = 0; i < 4; ++i) {
-    robots.emplace_back(e.robots[i].drive, e.robots[i].motor, e.simulation, e.seed, i);
-    robots.back().place(reference->at(i, 0.0).pose);
-  }
+  std::vector<core::SimulatedRobot> robots = test::robots_at_their_references(e);
   ControlTick tick(e);
   const OperatorCommand start = commands::Start{};
   std::vector<core::Measurement> measured(4);
