@@ -221,10 +221,11 @@ class Search {
     for (int i = 0; i < most; ++i, ++iterations) {
       Parameters slope;
       linearise(p, slope, information_);
+      Information curved = information_;
+      for (const Unknown noise : {Unknown::slip, Unknown::sigma_xy, Unknown::sigma_theta})
+        curved(at(noise), at(noise)) = curvature(at(noise), p, slope);
       for (int tries = 0;; ++tries) {
-        Information damped = information_;
-        for (const Unknown noise : {Unknown::slip, Unknown::sigma_xy, Unknown::sigma_theta})
-          damped(at(noise), at(noise)) = curvature(at(noise), p, slope);
+        Information damped = curved;
         damped.diagonal() *= 1.0 + damping;
         Parameters step = damped.ldlt().solve(-slope);
         // No step farther than the prior finds likely.
@@ -345,17 +346,17 @@ class Search {
   const std::vector<bool>& used() const noexcept { return used_; }
 
  private:
-  /// The information at `p`, a fraction of a standard deviation from where it was taken last: of a long run, which one
-  /// pass less is worth much for, it is the same there.
+  /// Takes the information at `p`. For a long run, whose passes are expensive, the last one taken serves: `p` has moved
+  /// by a fraction of a standard deviation since.
   void inform(const Parameters& p) {
     Parameters slope;
     if (poses_ <= enough_poses) linearise(p, slope, information_);
   }
 
-  /// How much steeper the cost becomes per step of a noise. Of a noise that is far below the others the cost is its
-  /// square, an exponential of its logarithm: Fisher's information knows nothing of that curvature, and steps by it
-  /// alone overshoot to and fro, while their damping keeps all other parameters back. Instead, the secant to where
-  /// that exponential and the prior are in balance.
+  /// The curvature of the cost along the logarithm of a noise, for a step. Where a noise is far below the others, the
+  /// cost grows with its square, an exponential of its logarithm. Fisher's information does not contain that curvature:
+  /// steps by it alone oscillate, and the damping that stops them slows all other parameters. Instead this is the
+  /// secant from here to where that exponential and the prior balance.
   double curvature(std::size_t noise, const Parameters& p, const Parameters& slope) const {
     const double before = 1.0 / math::squared(prior_.sigma[noise]);
     const double pull = (p[noise] - prior_.mean[noise]) * before, push = slope[noise] - pull;
