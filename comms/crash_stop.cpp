@@ -59,7 +59,8 @@ void write_stop(const Entry& entry, int descriptor) noexcept {
 bool answered(Entry& entry, int descriptor) noexcept {
   std::array<std::uint8_t, 256> bytes;
   const ssize_t count = ::read(descriptor, bytes.data(), bytes.size());
-  return count > 0 && entry.heard.by(*entry.protocol.load(), std::span(bytes).first(static_cast<std::size_t>(count)));
+  return count > 0 &&
+         entry.heard.acknowledged(*entry.protocol.load(), std::span(bytes).first(static_cast<std::size_t>(count)));
 }
 
 void stop_all() noexcept {

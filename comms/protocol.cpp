@@ -65,7 +65,7 @@ constexpr std::array table{
 
 }  // namespace
 
-bool StopHeard::by(const Protocol& protocol, std::span<const std::uint8_t> bytes) noexcept {
+bool StopHeard::acknowledged(const Protocol& protocol, std::span<const std::uint8_t> bytes) noexcept {
   std::array<std::uint8_t, most + std::tuple_size_v<decltype(end_)>> all;
   const auto come =
       std::copy_n(bytes.begin(), std::min(bytes.size(), most), std::copy_n(end_.begin(), size_, all.begin()));

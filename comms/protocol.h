@@ -29,17 +29,16 @@ struct Protocol {
   std::optional<double> charge_below{};  ///< a battery with less is low [V]; none: the robot itself reports that
 };
 
-/// What a robot says after a stop was written, in whatever pieces it is read: an answer may come in two.
-/// Async-signal-safe.
+/// Recognises the answer to a stop also if it is read in several pieces. Async-signal-safe.
 class StopHeard {
  public:
   void forget() noexcept { size_ = 0; }  ///< a stop is written: what came before does not answer it
-  /// At most `most` bytes at once. True: the stop is acknowledged.
-  bool by(const Protocol& protocol, std::span<const std::uint8_t> bytes) noexcept;
+  /// bytes: what was read next, at most `most`. True: the stop is acknowledged.
+  bool acknowledged(const Protocol& protocol, std::span<const std::uint8_t> bytes) noexcept;
   static constexpr std::size_t most = 512;
 
  private:
-  std::array<std::uint8_t, 32> end_{};  // of what came: longer than any acknowledgement
+  std::array<std::uint8_t, 32> end_{};  // the last bytes read: longer than any acknowledgement
   std::size_t size_ = 0;
 };
 

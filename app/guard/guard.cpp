@@ -72,7 +72,8 @@ struct Line {
     for (int round = 0; round < 8 && ::ioctl(descriptor, FIONREAD, &waiting) == 0 && waiting > 0; ++round) {
       const ssize_t count = ::read(descriptor, bytes.data(), bytes.size());
       if (count <= 0) return;
-      stands = stands || (answers() && heard.by(*protocol, std::span(bytes).first(static_cast<std::size_t>(count))));
+      stands = stands ||
+               (answers() && heard.acknowledged(*protocol, std::span(bytes).first(static_cast<std::size_t>(count))));
     }
   }
   bool answers() const noexcept { return protocol && protocol->answers_stop; }

@@ -66,18 +66,19 @@ TEST(StopHeard, AnAnswerCountsInWhateverPiecesItIsRead) {
     for (std::size_t cut = 0; cut <= answer.size(); ++cut) {
       StopHeard heard;
       const std::span all(answer);
-      const bool first = heard.by(protocol, all.first(cut)), second = heard.by(protocol, all.subspan(cut));
+      const bool first = heard.acknowledged(protocol, all.first(cut)),
+                 second = heard.acknowledged(protocol, all.subspan(cut));
       EXPECT_TRUE(first || second) << cut;
       if (first || cut == 0) continue;
       heard.forget();
-      (void)heard.by(protocol, all.first(cut));
+      (void)heard.acknowledged(protocol, all.first(cut));
       heard.forget();
-      EXPECT_EQ(heard.by(protocol, all.subspan(cut)), protocol.acknowledged(all.subspan(cut)))
+      EXPECT_EQ(heard.acknowledged(protocol, all.subspan(cut)), protocol.acknowledged(all.subspan(cut)))
           << cut << ": what came before the stop does not count";
     }
     StopHeard byte_by_byte;
     std::size_t times = 0;
-    for (const std::uint8_t byte : answer) times += byte_by_byte.by(protocol, {&byte, 1}) ? 1 : 0;
+    for (const std::uint8_t byte : answer) times += byte_by_byte.acknowledged(protocol, {&byte, 1}) ? 1 : 0;
     EXPECT_GE(times, 1u);
   }
 }
