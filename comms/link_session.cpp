@@ -235,7 +235,7 @@ void LinkSession::read_version(std::string text) {
   std::erase_if(text, [](char c) { return c < ' ' || c > '~'; });
   text.resize(std::min(text.size(), longest_version));
   if (!counters_.version.empty() && counters_.version != text)
-    reason_ = fmt::format("the robot says that it is \"{}\", before it was \"{}\"", text, counters_.version);
+    reason_ = fmt::format("the robot says that it is \"{}\"; before, it was \"{}\"", text, counters_.version);
   counters_.version = std::move(text);
 }
 

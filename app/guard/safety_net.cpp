@@ -357,7 +357,7 @@ std::string stop_one(const std::vector<comms::LinkAddress>& robots, std::size_t 
 }
 
 void complain_of_waiting(const std::string& address, const std::string& reason) {
-  complain(fmt::format("{}: not stopped yet: {}; trying on", address, reason));
+  complain(fmt::format("{}: not stopped yet: {}; still trying", address, reason));
 }
 
 bool stop_all(const std::vector<comms::LinkAddress>& robots) {

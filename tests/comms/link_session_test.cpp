@@ -179,7 +179,7 @@ TEST(LinkSession, AnotherRobotOnTheNextConnectionIsAskedWhatItIs) {
   lab.open();
   const LinkStatus status = lab.session.status(lab.now);
   EXPECT_EQ(status.version, "Version 1.2.2 August 2008 GCtronic");
-  EXPECT_EQ(status.reason, "the robot says that it is \"" + status.version + "\", before it was \"" + before + "\"");
+  EXPECT_EQ(status.reason, "the robot says that it is \"" + status.version + "\"; before, it was \"" + before + "\"");
 }
 
 TEST(LinkSession, AVersionIsALineThatCanBePrinted) {

@@ -358,7 +358,7 @@ TEST_F(DyingProgram, RobotsStopSaysWhomItWaitsForWhileTheGuardTries) {
   testing::internal::CaptureStderr();
   EXPECT_TRUE(all_stand(stop_run(marker).robots));
   EXPECT_EQ(testing::internal::GetCapturedStderr(),
-            "skein: " + comms::to_text(marker.robots[0]) + ": not stopped yet: out of reach; trying on\n");
+            "skein: " + comms::to_text(marker.robots[0]) + ": not stopped yet: out of reach; still trying\n");
   marker.forget();
 }
 
