@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace skein::vision::detail {
 namespace {
@@ -54,12 +55,22 @@ double shared_noise(double pitch_px) {
 // Of a pixel's noise, so much is left where a grey level is read between pixels, on average.
 constexpr double between_pixels = 2.0 / 3.0;
 
-/// How much an edge is blurred that differs by `bend` second derivatives from one blurred by sigma: the projection of
-/// the one edge less the other onto the second derivative, turned around. Edges that lie close together hide a part of
-/// a large blur. [modules]
+/// How much an edge is blurred that differs by `bend` columns of blur from one blurred by sigma: the projection of the
+/// one edge less the other onto that column, turned around. The integral over two blurred steps less two sharp ones is
+/// the square root of the sum of both variances, but for a constant: with q = TagTemplate::blur_step, an edge of r
+/// sigma has
+///
+///     bend / ((q^2 - 1) sigma^2 / 2) = n(r) / n(q), n(r) = sqrt(r^2 + 1) - sqrt(r^2 + q^2) + sqrt(1 + q^2) - sqrt(2).
+///
+/// Edges that lie close together hide a part of a large blur. [modules]
 double blur_of(double sigma, double bend) {
-  const double left = std::max(0.1, 1.0 - 0.5 * bend / (sigma * sigma));
-  return sigma * std::sqrt(std::max(0.0, 2.0 / (left * left) - 1.0));
+  constexpr double q = TagTemplate::blur_step, gap = q * q - 1.0;
+  const double without = std::sqrt(1.0 + q * q) - std::numbers::sqrt2;
+  const double of_step = 2.0 * std::sqrt(1.0 + q * q) - std::numbers::sqrt2 * (1.0 + q);
+  // sqrt(r^2 + q^2) - sqrt(r^2 + 1): q - 1 without any blur, and less the more there is.
+  const double less = std::clamp(without - of_step * bend / (0.5 * gap * sigma * sigma), 0.1 * without, q - 1.0);
+  const double root = 0.5 * (gap / less - less);  // sqrt(r^2 + 1)
+  return sigma * std::sqrt(std::max(0.0, root * root - 1.0));
 }
 
 double tukey(double residual, double scale) {
@@ -260,9 +271,11 @@ bool PhotometricFit::descend(const Frame& frame, const TagTemplate& tag, int mos
 /// for the worst. false: too few are left.
 bool PhotometricFit::trim(const Frame& frame, const TagTemplate& tag, core::Pose& pose, Look& seen,
                           Eigen::Matrix3d& covariance, int& looks) {
-  using Vector = Eigen::Matrix<double, TagTemplate::rigid_columns, 1>;
+  using Vector = Eigen::Matrix<double, TagTemplate::blurring_columns, 1>;
   constexpr int rounds = 4;
-  Vector solution = Vector::Map(seen.solution.data());
+  Vector solution = Vector::Zero();
+  solution.head<TagTemplate::rigid_columns>() =
+      Eigen::Matrix<double, TagTemplate::rigid_columns, 1>::Map(seen.solution.data());
   for (int round = 0; round < rounds; ++round) {
     ++looks;
     aim(pose);
@@ -270,25 +283,25 @@ bool PhotometricFit::trim(const Frame& frame, const TagTemplate& tag, core::Pose
     if (round > 0) solution.head<3>().setZero();  // the step has been made
     const auto residual = [&](std::size_t i) {
       return static_cast<double>(values_[SampleGrid::place_of(i)]) -
-             solution.dot(tag.row(i).head<TagTemplate::rigid_columns>());
+             solution.dot(tag.row(i).head<TagTemplate::blurring_columns>());
     };
     for (std::size_t i = 0; i < SampleGrid::points; ++i) sorted_[i] = static_cast<float>(std::abs(residual(i)));
     std::nth_element(sorted_.begin(), sorted_.begin() + SampleGrid::points / 2, sorted_.end());
     const double scale = std::max(1.0, 1.4826 * static_cast<double>(sorted_[SampleGrid::points / 2]));
 
-    TagTemplate::Rigid normal = TagTemplate::Rigid::Zero();
+    TagTemplate::Blurring normal = TagTemplate::Blurring::Zero();
     Vector seen_columns = Vector::Zero();
     double weights = 0.0;
     for (std::size_t i = 0; i < SampleGrid::points; ++i) {
       const double weight = tukey(residual(i), scale);
-      const Vector row = tag.row(i).head<TagTemplate::rigid_columns>();
+      const Vector row = tag.row(i).head<TagTemplate::blurring_columns>();
       normal += weight * row * row.transpose();
       seen_columns += weight * static_cast<double>(values_[SampleGrid::place_of(i)]) * row;
       weights += weight;
     }
     // More than two modules of ten hidden: what is left may not be enough to tell this tag from another.
     if (weights < 0.7 * static_cast<double>(SampleGrid::points)) return false;
-    const TagTemplate::Rigid inverse = normal.inverse();
+    const TagTemplate::Blurring inverse = normal.inverse();
     solution = inverse * seen_columns;
     const double gain = solution[TagTemplate::paper];
     if (!(gain >= options_.least_contrast)) return false;
@@ -313,6 +326,15 @@ double PhotometricFit::felt(const TagTemplate& tag, const Free& free) const {
   std::array<float, TagTemplate::columns> solution;
   for (std::size_t i = 0; i < solution.size(); ++i) solution[i] = static_cast<float>(free.solution[i]);
   return static_cast<double>(felt_noise(options_.instructions, tag, values_, solution));
+}
+
+/// Makes the look's step that of a tag free to blur. Returns its covariance.
+Eigen::Matrix3d PhotometricFit::settle(const TagTemplate& tag, const TagTemplate::LastStep& last_step, const Free& free,
+                                       const Look& seen, core::Pose& pose) const {
+  using Vector = Eigen::Matrix<double, TagTemplate::blurring_columns, 1>;
+  const Eigen::Vector3d change = last_step.cast<double>() * Vector::Map(seen.sums.sum.data()) / -seen.gain();
+  step(change - seen.change(), pose);
+  return felt(tag, free) / (seen.gain() * seen.gain()) * last_step.leftCols<3>().cast<double>();
 }
 
 double PhotometricFit::least_likeness(double px_per_module) const {
@@ -354,22 +376,18 @@ Fit PhotometricFit::fit(const Frame& frame, TagModel& model, const core::Pose& f
     return result;
   }
   if (seen.cut) {
-    constexpr int rigid = TagTemplate::rigid_columns;
-    const TagTemplate::Rigid inverse = TagTemplate::Rigid(cut_normal_.topLeftCorner<rigid, rigid>()).inverse();
     // Of paper that is not seen, nothing is felt.
     for (const std::size_t i : left_out_)
       values_[SampleGrid::place_of(i)] =
           static_cast<float>(Eigen::Matrix<double, TagTemplate::columns, 1>::Map(free.solution.data()).dot(tag.row(i)));
-    of_step = felt(tag, free) / (seen.gain() * seen.gain()) * inverse.topLeftCorner<3, 3>();
+    of_step = settle(tag, TagTemplate::last_step_of(cut_normal_), free, seen, result.pose);
   } else if (covered) {
     if (!trim(frame, tag, result.pose, seen, of_step, result.looks)) return result;
     if (seen.correlation < least) return result;
     free = explain(tag, seen);
     of_step *= shared_noise(static_cast<double>(SampleGrid::pitch) * px_per_module_);
   } else {
-    const double noise = felt(tag, free);
-    for (Eigen::Index k = 0; k < 3; ++k)
-      for (Eigen::Index i = 0; i < 3; ++i) of_step(i, k) = noise / (seen.gain() * seen.gain()) * tag.rigid(i, k);
+    of_step = settle(tag, tag.last_step, free, seen, result.pose);
   }
   const double cosine = std::cos(result.pose.theta);
   const double sine = std::sin(result.pose.theta);

@@ -91,6 +91,8 @@ class PhotometricFit {
   Free explain(const TagTemplate& tag, const Look& look) const;
   bool leave_out(const TagTemplate& tag, float most_u, float most_v, Look& look);
   double felt(const TagTemplate& tag, const Free& free) const;
+  Eigen::Matrix3d settle(const TagTemplate& tag, const TagTemplate::LastStep& last_step, const Free& free,
+                         const Look& seen, core::Pose& pose) const;
   double in_pixels(const Eigen::Vector3d& change) const;
   Eigen::Matrix3d in_world(const Eigen::Matrix3d& of_step, double c, double s) const;
 

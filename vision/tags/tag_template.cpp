@@ -10,7 +10,7 @@
 namespace skein::vision::detail {
 namespace {
 
-/// How much of each column of cells a blurred point sees, and its first and second derivative along the axis.
+/// How much of each column of cells a blurred point sees, its derivative along the axis, and its change with blur.
 struct Profile {
   std::array<double, pattern_cells> share{};
   std::array<double, pattern_cells> slope{};
@@ -25,7 +25,11 @@ Profile profile_at(double place, double sigma) {
     const double z = (place - edge) / sigma;
     return std::exp(-0.5 * z * z) / (sigma * std::sqrt(2.0 * std::numbers::pi));
   };
-  const auto bend = [&](double edge) { return -(place - edge) / (sigma * sigma) * density(edge); };
+  const auto bend = [&](double edge) {
+    const double z = (place - edge) / (sigma * std::numbers::sqrt2);
+    constexpr double step = TagTemplate::blur_step;
+    return (std::erf(z / step) - std::erf(z)) / ((step * step - 1.0) * sigma * sigma);
+  };
   Profile profile;
   for (int i = 0; i < pattern_cells; ++i) {
     // The white border goes on outwards: the blur must not see an edge of the paper that the points keep away from.
@@ -123,8 +127,8 @@ TagTemplate::TagTemplate(const TagPattern& pattern, double blur_sigma) : sigma(b
 
   normal.setZero();
   for (std::size_t point = 0; point < SampleGrid::points; ++point) normal += row(point) * row(point).transpose();
-  const Rigid rigid_part = Rigid(normal.topLeftCorner<rigid_columns, rigid_columns>()).inverse();
-  Rigid::Map(rigid_inverse.data()) = rigid_part;
+  Rigid::Map(rigid_inverse.data()) = Rigid(normal.topLeftCorner<rigid_columns, rigid_columns>()).inverse();
+  last_step = last_step_of(normal);
   const Full inverse = normal.inverse();
   Eigen::Matrix<float, columns, columns>::Map(full_inverse.data()) = inverse.cast<float>();
 
@@ -141,13 +145,17 @@ TagTemplate::TagTemplate(const TagPattern& pattern, double blur_sigma) : sigma(b
       }
     }
   }
-  const Eigen::Matrix3d of_step = rigid_part.topLeftCorner<3, 3>();
+  const Eigen::Matrix3d of_step = last_step.leftCols<3>().cast<double>();
   double felt = 0.0;
   for (const auto& block : blocks)
     felt += (of_step * (block.topRows<3>() - block.transpose() * inverse * block)).trace();
   const Eigen::Matrix3d root = of_step.llt().matrixU().toDenseMatrix() / std::sqrt(felt);
   whitening = {static_cast<float>(root(0, 0)), static_cast<float>(root(0, 1)), static_cast<float>(root(0, 2)),
                static_cast<float>(root(1, 1)), static_cast<float>(root(1, 2)), static_cast<float>(root(2, 2))};
+}
+
+TagTemplate::LastStep TagTemplate::last_step_of(const Full& normal) {
+  return Blurring(normal.topLeftCorner<blurring_columns, blurring_columns>()).inverse().topRows<3>().cast<float>();
 }
 
 Eigen::Matrix<double, TagTemplate::columns, 1> TagTemplate::row(std::size_t point) const {
@@ -162,8 +170,8 @@ Eigen::Matrix<double, TagTemplate::columns, 1> TagTemplate::row(std::size_t poin
   const double ty = value(t_y, slope_unit);
   Eigen::Matrix<double, columns, 1> result;
   const double lit = grey + static_cast<double>(ink);
-  result << tx, ty, x * ty - y * tx, grey, 1.0, x * lit, y * lit, x * tx, y * ty, x * ty + y * tx,
-      value(t_xx, bend_unit), value(t_yy, bend_unit);
+  result << tx, ty, x * ty - y * tx, grey, 1.0, x * lit, y * lit, value(t_xx, bend_unit), value(t_yy, bend_unit),
+      x * tx, y * ty, x * ty + y * tx;
   return result;
 }
 

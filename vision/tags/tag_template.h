@@ -60,9 +60,9 @@ std::array<float, SampleGrid::points> blurred_pattern(const TagPattern& pattern,
 ///
 /// which is linear in (gain dx, gain dy, gain dtheta, gain, offset, a, b): one step of Gauss and Newton is one product
 /// with a matrix that is known beforehand (inverse compositional). a and b are the light's gradient, without which
-/// a tag half in a lamp's cone, or in one row's light and the next's, is shifted. Three more columns let the tag
-/// stretch and shear, too: a tag on a robot does not, one that is held up or tilted does. The last two blur it along
-/// its axes: focus and motion differ from what the template was made for, but move no edge.
+/// a tag half in a lamp's cone, or in one row's light and the next's, is shifted. Two more columns blur it along its
+/// axes: focus and motion differ from what the template was made for, but move no edge. The last three let the tag
+/// stretch and shear, too: a tag on a robot does not, one that is held up or tilted does.
 struct alignas(64) TagTemplate {
   /// blur_sigma: in modules.
   TagTemplate(const TagPattern& pattern, double blur_sigma);
@@ -77,17 +77,24 @@ struct alignas(64) TagTemplate {
     constant,
     light_x,
     light_y,
+    blur_x,
+    blur_y,
     stretch_x,
     stretch_y,
-    shear,
-    blur_x,
-    blur_y
+    shear
   };
   static constexpr int rigid_columns = 7;
+  static constexpr int blurring_columns = 9;
   static constexpr int columns = 12;
   static constexpr float ink = 0.15F;  // what ink reflects, as a part of the difference between paper and ink
   using Rigid = Eigen::Matrix<double, rigid_columns, rigid_columns>;
+  using Blurring = Eigen::Matrix<double, blurring_columns, blurring_columns>;
   using Full = Eigen::Matrix<double, columns, columns>;
+
+  /// The columns of blur are the template blurred so many times as much less the template itself, scaled as its second
+  /// derivative along the axis (which is twice its derivative by the blur's variance). An infinitesimal step would
+  /// leave a large part of a real one, such as motion's, in the residual.
+  static constexpr double blur_step = 1.5;
 
   /// Whole numbers of a unit, a power of two: less than half the memory of floats, which every frame has to load into
   /// the caches.
@@ -96,19 +103,24 @@ struct alignas(64) TagTemplate {
   alignas(32) Numbers t{};    // 0 ink, 1 paper
   alignas(32) Numbers t_x{};  // per module
   alignas(32) Numbers t_y{};
-  alignas(32) SmallNumbers t_xx{};
+  alignas(32) SmallNumbers t_xx{};  // of blur along x, per module^2
   alignas(32) SmallNumbers t_yy{};
   static constexpr float paper_unit = 1.0F / 16384.0F;                // of t
   float slope_unit = 1.0F;                                            // of t_x and t_y
   float bend_unit = 1.0F;                                             // of t_xx and t_yy
   std::array<double, rigid_columns * rigid_columns> rigid_inverse{};  // of the normal matrix of the first seven columns
   std::array<float, columns * columns> full_inverse{};                // of all of them
-  double rigid(Eigen::Index row, Eigen::Index column) const {
-    return rigid_inverse[static_cast<std::size_t>(row * rigid_columns + column)];
-  }
   float full(Eigen::Index row, Eigen::Index column) const {
     return full_inverse[static_cast<std::size_t>(row * columns + column)];
   }
+
+  /// The first three rows of the inverse of the normal matrix of the first nine columns: times the sums, the step of a
+  /// fit in which the tag is free to blur; times the noise, that step's covariance. Points lie further apart than a
+  /// sharp edge is wide. In a picture softer or sharper than the template, the first seven columns take the difference
+  /// at the few points that are near edges for a step, which the noise does not explain.
+  using LastStep = Eigen::Matrix<float, 3, blurring_columns>;
+  LastStep last_step;
+  static LastStep last_step_of(const Full& normal);
 
   /// Blocks of the grid: three rows high, four points wide (the last two). The pose depends on the sums over a block of
   /// residual times column: multiplied by this, their squares add up to the noise's variance (see felt_noise).

@@ -1,0 +1,106 @@
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/vision/support.h"
+#include "vision/fit/photometric_fit.h"
+#include "vision/synthetic/random.h"
+
+namespace skein::vision::detail {
+namespace {
+
+struct Optics {
+  double edge_px;  // of the black square
+  double blur_px;
+  double noise;  // [grey levels]
+};
+
+/// A tag as another painter than the product's draws it: the mean of 8 x 8 samples a pixel, by OpenCV's blur and noise.
+void paint_by_opencv(const Calibration& camera, const TagPattern& pattern, const core::Pose& pose, const Optics& optics,
+                     cv::RNG& noise, Frame& frame) {
+  constexpr int samples = 8;
+  const auto pixel_of = [&](double x, double y) {  // from modules in the tag's frame
+    const double c = camera.tag_size / 8.0 * std::cos(pose.theta), s = camera.tag_size / 8.0 * std::sin(pose.theta);
+    const auto pixel = pixel_from_world(camera, {pose.x + c * x - s * y, pose.y + s * x + c * y, camera.tag_height});
+    return cv::Point2f(static_cast<float>(pixel->x()), static_cast<float>(pixel->y()));
+  };
+  const std::vector<cv::Point2f> modules = {{-5, -5}, {5, -5}, {5, 5}, {-5, 5}};
+  std::vector<cv::Point2f> pixels;
+  for (const auto& at : modules) pixels.push_back(pixel_of(at.x, at.y));
+  const cv::Matx33d into_modules(cv::getPerspectiveTransform(pixels, modules));
+  const cv::Point2f middle = pixel_of(0.0, 0.0);
+  const int half = static_cast<int>(optics.edge_px) + 8;
+  const int left = cvRound(middle.x) - half, top = cvRound(middle.y) - half;
+
+  cv::Mat fine(2 * half * samples, 2 * half * samples, CV_32F, cv::Scalar(120.0));
+  for (int row = 0; row < fine.rows; ++row) {
+    for (int column = 0; column < fine.cols; ++column) {
+      const cv::Vec3d at =
+          into_modules * cv::Vec3d(left + (column + 0.5) / samples - 0.5, top + (row + 0.5) / samples - 0.5, 1.0);
+      const double x = at[0] / at[2] + 5.0, y = 5.0 - at[1] / at[2];
+      if (!(x > 0.0 && x < 10.0 && y > 0.0 && y < 10.0)) continue;
+      const bool paper = pattern[static_cast<std::size_t>(y) * pattern_cells + static_cast<std::size_t>(x)];
+      fine.at<float>(row, column) = paper ? 210.0F : 60.0F;
+    }
+  }
+  if (optics.blur_px > 0.0) cv::GaussianBlur(fine, fine, {}, samples * optics.blur_px);
+  cv::Mat picture, grain(2 * half, 2 * half, CV_32F);
+  cv::resize(fine, picture, grain.size(), 0.0, 0.0, cv::INTER_AREA);
+  noise.fill(grain, cv::RNG::NORMAL, 0.0, optics.noise);
+  picture += grain;
+  frame.resize(camera.width, camera.height);
+  cv::Mat whole(camera.height, camera.width, CV_8U, frame.grey.data());
+  picture.convertTo(whole(cv::Rect(left, top, 2 * half, 2 * half)), CV_8U);
+}
+
+TEST(PhotometricFit, SaysHowWellItKnowsWhateverTheFocusInPicturesOfAnotherPainter) {
+  const std::vector<TagPattern> patterns = tag_patterns();
+  // Before the last step let the tag blur: 13, 1.0, 4.8, 4.5, 1.8 and 2.5 in the order of the scenes, and up to 0.057
+  // px.
+  for (const Optics& optics : {Optics{60.0, 1.0, 1.0},
+                               {60.0, 0.7, 1.0},
+                               {60.0, 1.5, 4.0},
+                               {60.0, 0.0, 4.0},
+                               {40.0, 1.0, 2.0},
+                               {40.0, 0.0, 2.0}}) {
+    Calibration camera = overhead_calibration(2.0, 1.5);
+    camera.distortion = {};  // a homography is all that this painter has
+    const double px_per_metre = 10.0 * (*pixel_from_world(camera, {0.1, 0.0, camera.tag_height}) -
+                                        *pixel_from_world(camera, {0.0, 0.0, camera.tag_height}))
+                                           .norm();
+    camera.tag_size = optics.edge_px / px_per_metre;
+    PhotometricFit fitter(PlaneMap(camera), camera.tag_size / 8.0, false, {});
+    cv::RNG noise(7);
+    Random random(5);
+    Frame frame;
+    double squared = 0.0, distance = 0.0;
+    const int poses = test::sanitized ? 12 : 64;
+    for (int k = 0; k < poses; ++k) {
+      const core::Pose pose{random.between(-0.6, 0.6), random.between(-0.4, 0.4), random.between(-3.1, 3.1)};
+      const TagPattern& pattern = patterns[random.below(patterns.size())];
+      paint_by_opencv(camera, pattern, pose, optics, noise, frame);
+      TagModel model(pattern);
+      core::Pose from = pose;  // half a pixel and a degree off
+      from.x += 0.5 / px_per_metre;
+      from.theta += 0.02;
+      const Fit found = fitter.fit(frame, model, from);
+      ASSERT_EQ(found.verdict, FitVerdict::good);
+      const Eigen::Vector3d error(found.pose.x - pose.x, found.pose.y - pose.y,
+                                  core::wrap_angle(found.pose.theta - pose.theta));
+      squared += error.dot(found.covariance.ldlt().solve(error)) / 3.0;
+      distance += error.head<2>().squaredNorm();
+    }
+    const std::string scene =
+        fmt::format("tags of {} px, blurred by {} px, noise {}", optics.edge_px, optics.blur_px, optics.noise);
+    EXPECT_GT(squared / poses, 0.7) << scene;
+    EXPECT_LT(squared / poses, 1.5) << scene;
+    EXPECT_LT(std::sqrt(distance / poses) * px_per_metre, 0.04) << scene;
+  }
+}
+
+}  // namespace
+}  // namespace skein::vision::detail
