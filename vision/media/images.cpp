@@ -86,10 +86,11 @@ class Images final : public FrameSource {
     if (bytes_.empty()) return "is empty";
     if (jpeg_breaks_off(bytes_)) return "is cut short";
     try {
-      // Turned as its camera says, which is how every viewer shows it.
-      decoded_ = cv::imdecode(bytes_, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH);
+      // As the sensor took it, for which a calibration holds: how a camera that looks down was held, it only guesses.
+      constexpr int as_taken = cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION;
+      decoded_ = cv::imdecode(bytes_, as_taken | cv::IMREAD_ANYDEPTH);
       if (decoded_.depth() == CV_16U) to_eight_bits(decoded_);
-      if (decoded_.depth() != CV_8U) decoded_ = cv::imdecode(bytes_, cv::IMREAD_GRAYSCALE);
+      if (decoded_.depth() != CV_8U) decoded_ = cv::imdecode(bytes_, as_taken);
     } catch (const cv::Exception& problem) {
       return problem.code == cv::Error::StsNoMem ? "needs more memory than there is" : "cannot be decoded";
     }

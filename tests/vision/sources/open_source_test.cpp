@@ -1,6 +1,7 @@
 #include "vision/sources/open_source.h"
 
 #include <array>
+#include <opencv2/imgcodecs.hpp>
 #include <utility>
 
 #include "tests/vision/support.h"
@@ -118,6 +119,36 @@ TEST(Images, DamagedOnesAreSkippedAndReported) {
   EXPECT_EQ(skipped[1], folder.file("c.jpg") + ": is cut short");
   EXPECT_EQ(skipped[2], folder.file("d.pgm") + ": is empty");
   EXPECT_EQ((*source)->status().damaged, 3) << "a run says so";
+}
+
+/// They were turned, films were not: one folder's pictures of a board had two places for the lens's middle.
+TEST(Images, AreReadAsTheSensorTookThemWhicheverWayUpTheCameraWasHeld) {
+  test::Folder folder;
+  cv::Mat picture(48, 64, CV_8U, cv::Scalar(200.0));
+  picture(cv::Rect(0, 0, 16, 16)).setTo(20);
+  std::vector<std::uint8_t> jpeg;
+  ASSERT_TRUE(cv::imencode(".jpg", picture, jpeg));
+  for (const char orientation :
+       {'\1', '\3', '\6', '\10'}) {  // upright, upside down, turned to the right and to the left
+    std::string turned(jpeg.begin(), jpeg.begin() + 2);
+    turned += std::string(
+        "\xff\xe1\0\x22"
+        "Exif\0\0II*\0\x8\0\0\0\x1\0\x12\x1\x3\0\x1\0\0\0",
+        28);
+    turned += orientation + std::string(7, '\0') + std::string(jpeg.begin() + 2, jpeg.end());
+    const std::string file = folder.file(std::string(1, static_cast<char>('a' + orientation)) + ".jpg");
+    test::write_file(file, turned);
+    ASSERT_EQ(cv::imread(file).cols, orientation < 5 ? 64 : 48) << "viewers turn it";
+  }
+  auto source = open_source("images:" + folder.path());
+  ASSERT_TRUE(source) << source.error();
+  Frame frame;
+  for (int k = 0; k < 4; ++k) {
+    ASSERT_TRUE((*source)->read(frame).value());
+    ASSERT_EQ(std::pair(frame.width, frame.height), std::pair(64, 48)) << frame.source;
+    EXPECT_LT(frame.row(5)[5], 40) << frame.source;
+    EXPECT_GT(frame.row(40)[60], 180) << frame.source;
+  }
 }
 
 /// A sensor's 10 or 12 bits in files of 16, as other programs write them: they were read as if 16 were used, and almost
