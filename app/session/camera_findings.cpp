@@ -99,9 +99,10 @@ vision::MissingTag CameraFindings::missing_tag(std::size_t robot, const core::Me
 UnseenTag CameraFindings::unseen_tag(const vision::Frame& frame, const vision::TagDiagnosis& tag) const {
   UnseenTag unseen{tag.tag, tag.why, vision::sentence(tag, calibration_)};
   if (tag.size > 0.0) unseen.size = tag.size;
-  vision::Frame crop = vision::picture_of(frame, tag);
+  const vision::Frame crop = vision::picture_of(frame, tag);
   if (crop.width == 0) return unseen;
-  unseen.picture = std::make_shared<const Picture>(Picture{crop.width, crop.height, std::move(crop.grey)});
+  unseen.picture =
+      std::make_shared<const Picture>(Picture{crop.width, crop.height, {crop.grey.begin(), crop.grey.end()}});
   if (crops_)
     unseen.file = crops_->add({robot_of(tag.tag), crop_file(tag.tag, number_, experiment_.cameras()),
                                prefix_ + unseen.sentence, unseen.picture});

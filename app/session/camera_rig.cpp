@@ -359,7 +359,7 @@ void CameraRig::work_off() {
   Picture& picture = picture_.draft();
   picture.width = frame_.width;
   picture.height = frame_.height;
-  picture.grey = frame_.grey;
+  picture.grey.assign(frame_.grey.begin(), frame_.grey.end());
   picture_.publish();
 }
 

@@ -89,7 +89,7 @@ void RenderedCamera::defocus(double now) {
 /// its transfers break off.
 void RenderedCamera::freeze(double now, vision::Frame& frame) {
   if (!spec_.freeze_at) return;
-  std::vector<std::uint8_t>& still = stills_[spec_.freeze_part < 1.0 ? rendered_++ % stills_.size() : 0];
+  vision::Frame::Grey& still = stills_[spec_.freeze_part < 1.0 ? rendered_++ % stills_.size() : 0];
   const bool frozen = now >= *spec_.freeze_at && !(spec_.freeze_for && now >= *spec_.freeze_at + *spec_.freeze_for);
   if (!frozen || still.empty()) {
     still = frame.grey;

@@ -40,7 +40,7 @@ class RenderedCamera {
   double blur_ = vision::SceneOptions{}.blur_px;  // likewise
   std::vector<core::Pose> poses_, row_poses_;
   std::vector<vision::SyntheticTag> tags_;
-  std::array<std::vector<std::uint8_t>, 4> stills_;  // the pictures that are repeated
+  std::array<vision::Frame::Grey, 4> stills_;  // the pictures that are repeated
   std::size_t rendered_ = 0;
 };
 

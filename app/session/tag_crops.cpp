@@ -18,7 +18,7 @@ std::string crop_file(int tag, std::size_t camera, std::size_t cameras) {
 tl::expected<void, std::string> write_crop(const TagCrop& crop, const std::string& folder) {
   vision::Frame frame;
   frame.resize(crop.picture->width, crop.picture->height);
-  frame.grey = crop.picture->grey;
+  frame.grey.assign(crop.picture->grey.begin(), crop.picture->grey.end());
   return vision::write_png(frame, folder + '/' + crop.file);
 }
 

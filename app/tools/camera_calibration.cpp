@@ -58,7 +58,7 @@ struct CameraCalibration::Work {
       const std::lock_guard lock(mutex);
       newest.width = frame.width;
       newest.height = frame.height;
-      newest.grey = frame.grey;
+      newest.grey.assign(frame.grey.begin(), frame.grey.end());
       fresh = true;
       width = seen.coverage()->width;
       height = seen.coverage()->height;

@@ -254,7 +254,7 @@ struct CameraViewer::Work {
     const std::lock_guard lock(mutex);
     newest.picture.width = frame.width;
     newest.picture.height = frame.height;
-    newest.picture.grey = frame.grey;
+    newest.picture.grey.assign(frame.grey.begin(), frame.grey.end());
     newest.tags = std::move(tags);
     newest.rate = stills ? none : rate.value();
     fresh = true;
@@ -276,7 +276,7 @@ struct CameraViewer::Work {
       if (!set.empty() && settable) apply(set);
       if (picture) {
         frame.resize(picture->width, picture->height);
-        frame.grey = picture->grey;
+        frame.grey.assign(picture->grey.begin(), picture->grey.end());
         frame.captured_at = now();
         frame.index = frames++;
         take(frame, false);

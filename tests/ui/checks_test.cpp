@@ -251,7 +251,7 @@ class TagsOfAnotherSize : public Checks {
     vision::SyntheticCamera(calibration).render(tags, 0.0, frame);
     ASSERT_TRUE(QDir(dir.path()).mkdir(QStringLiteral("film")));
     const QString first = dir.filePath(QStringLiteral("film/0000.pgm"));
-    ASSERT_TRUE(image_of(app::Picture{frame.width, frame.height, frame.grey}).save(first));
+    ASSERT_TRUE(image_of(app::Picture{frame.width, frame.height, {frame.grey.begin(), frame.grey.end()}}).save(first));
     for (int k = 1; k < 1500; ++k)  // a minute
       std::filesystem::create_hard_link(
           first.toStdString(),

@@ -52,7 +52,7 @@ class RepeatWatch {
   /// What the frame `ago` (1: the last one) showed in the strip that is kept at `at`.
   Strip older(std::size_t ago, std::size_t at) const { return older_[(next_ + frames - ago) % frames].data() + at; }
 
-  std::vector<std::uint8_t> last_;
+  Frame::Grey last_;
   std::array<std::vector<std::uint8_t>, frames> older_;  // the strips of so many frames in turn
   std::size_t next_ = 0, kept_ = 0;                      // where the next one's go; how many frames are there
   int width_ = 0, height_ = 0;                           // of these [px]

@@ -62,14 +62,12 @@ struct NoisyCamera {
   Frame frame;
   std::mt19937 random{1};
   std::normal_distribution<float> noise{100.0F, 1.0F};
-  std::vector<std::vector<std::uint8_t>> before;  // what its frames showed
+  std::vector<Frame::Grey> before;  // what its frames showed
   double t = 0.0;
 
-  static auto row(std::vector<std::uint8_t>& grey, int v) { return grey.begin() + std::ptrdiff_t{width} * v; }
+  static auto row(Frame::Grey& grey, int v) { return grey.begin() + std::ptrdiff_t{width} * v; }
   /// Fills all rows from `top` on.
-  static void paint(std::vector<std::uint8_t>& grey, int top, std::uint8_t level) {
-    std::fill(row(grey, top), grey.end(), level);
-  }
+  static void paint(Frame::Grey& grey, int top, std::uint8_t level) { std::fill(row(grey, top), grey.end(), level); }
 
   /// Whether the next frame repeats; `change` is done to its pixels first.
   template <class Change>
@@ -87,8 +85,8 @@ struct NoisyCamera {
   }
   /// The same for a frame that shows in these rows what the one so many frames before it showed.
   bool repeats_rows(int from, int to, std::size_t ago) {
-    return repeats([&](std::vector<std::uint8_t>& grey) {
-      std::vector<std::uint8_t>& older = before[before.size() - ago];
+    return repeats([&](Frame::Grey& grey) {
+      Frame::Grey& older = before[before.size() - ago];
       std::copy(row(older, from), row(older, to), row(grey, from));
     });
   }
@@ -154,15 +152,15 @@ TEST(RepeatWatch, APartWithoutNoiseIsNoOldOne) {
     for (const int letters : {0, 1, 2}) {
       NoisyCamera camera;
       for (int frame = 0; frame < 50; ++frame)
-        EXPECT_FALSE(camera.repeats([&](std::vector<std::uint8_t>& grey) {
+        EXPECT_FALSE(camera.repeats([&](Frame::Grey& grey) {
           for (int v = 60; frame >= from && v < NoisyCamera::height; ++v)
             for (int u = 0; u < NoisyCamera::width; ++u)
               NoisyCamera::row(grey, v)[u] = static_cast<std::uint8_t>(letters == 0 ? 255 : letters * 40 * (u % 5));
         })) << letters
             << " in frame " << frame;
       for (int frame = 0; frame < 4; ++frame)
-        EXPECT_TRUE(camera.repeats([&](std::vector<std::uint8_t>& grey) {
-          std::vector<std::uint8_t>& older = camera.before[camera.before.size() - 4];
+        EXPECT_TRUE(camera.repeats([&](Frame::Grey& grey) {
+          Frame::Grey& older = camera.before[camera.before.size() - 4];
           std::copy(NoisyCamera::row(older, 32), older.end(), NoisyCamera::row(grey, 32));
         })) << "the control: what is above the bar counts";
     }
@@ -190,7 +188,7 @@ TEST(RepeatWatch, LettersThatBlinkFreezeNoCamera) {
     NoisyCamera camera;
     bool before = false;
     for (int frame = 0; frame < 100; ++frame) {
-      const bool repeats = camera.repeats([&](std::vector<std::uint8_t>& grey) {
+      const bool repeats = camera.repeats([&](Frame::Grey& grey) {
         for (int v = 60; frame % period < period / 2 && v < NoisyCamera::height; ++v)
           for (int u = 0; u < NoisyCamera::width; ++u)
             NoisyCamera::row(grey, v)[u] = static_cast<std::uint8_t>(40 * (u % 5));
@@ -206,7 +204,7 @@ TEST(RepeatWatch, APictureThatIsCodedMayStandStillWhereNothingMoves) {
   // Everything comes anew with every tenth frame; in between only what moves does: half the width of the upper part.
   NoisyCamera moving;
   for (int frame = 0; frame < 50; ++frame)
-    EXPECT_FALSE(moving.repeats([&](std::vector<std::uint8_t>& grey) {
+    EXPECT_FALSE(moving.repeats([&](Frame::Grey& grey) {
       if (frame % 10 < 2) return;
       for (int v = 0; v < NoisyCamera::height; ++v) {
         const int still_from = v < 40 ? NoisyCamera::width / 2 : 0;
@@ -217,7 +215,7 @@ TEST(RepeatWatch, APictureThatIsCodedMayStandStillWhereNothingMoves) {
   // A coder that refreshes one part of the height after the other, all of the width: the rest is as it was.
   NoisyCamera refreshed;
   for (int frame = 0; frame < 50; ++frame)
-    EXPECT_FALSE(refreshed.repeats([&](std::vector<std::uint8_t>& grey) {
+    EXPECT_FALSE(refreshed.repeats([&](Frame::Grey& grey) {
       if (frame == 0) return;
       const int part = frame % 6 * 16;
       for (int v = 0; v < NoisyCamera::height; ++v)
@@ -230,11 +228,11 @@ TEST(RepeatWatch, APictureThatIsCodedMayStandStillWhereNothingMoves) {
 /// third frame, while a robot drives through the rows.
 TEST(RepeatWatch, APictureWithoutNoiseInALightThatFlickersIsNoOldOne) {
   NoisyCamera camera;
-  std::vector<std::vector<std::uint8_t>> light;
+  std::vector<Frame::Grey> light;
   for (int frame = 0; frame < 50; ++frame)
-    EXPECT_FALSE(camera.repeats([&](std::vector<std::uint8_t>& grey) {
+    EXPECT_FALSE(camera.repeats([&](Frame::Grey& grey) {
       if (frame < 3) light.push_back(grey);
-      const std::vector<std::uint8_t> robot = grey;
+      const Frame::Grey robot = grey;
       grey = light[static_cast<std::size_t>(frame % 3)];
       std::copy_n(robot.begin(), 20 * NoisyCamera::width, grey.begin());
       for (int v = 0; v < 20; ++v)

@@ -166,7 +166,7 @@ TEST(Images, TheBitsThatAreUsedCount) {
     ASSERT_TRUE(source) << source.error();
     Frame frame;
     ASSERT_TRUE((*source)->read(frame).value());
-    EXPECT_EQ(frame.grey, (std::vector<std::uint8_t>{0, 10, 128, 255})) << bits;
+    EXPECT_EQ(frame.grey, (Frame::Grey{0, 10, 128, 255})) << bits;
   }
 }
 
@@ -201,14 +201,14 @@ TEST(CameraPixels, AreTakenFromPaddedRows) {
   Frame frame = test::uniform_frame(2, 2, 0);
   const std::vector<std::uint8_t> grey = {1, 2, 99, 3, 4};  // the last row needs no padding
   ASSERT_TRUE(grey_from_grey(grey, 3, frame));
-  EXPECT_EQ(frame.grey, (std::vector<std::uint8_t>{1, 2, 3, 4}));
+  EXPECT_EQ(frame.grey, (Frame::Grey{1, 2, 3, 4}));
   const std::vector<std::uint8_t> yuyv = {1, 128, 2, 128, 99, 99, 3, 128, 4, 128};
   ASSERT_TRUE(grey_from_yuyv(yuyv, 6, frame));
-  EXPECT_EQ(frame.grey, (std::vector<std::uint8_t>{1, 2, 3, 4}));
-  EXPECT_TRUE(grey_from_grey(std::vector<std::uint8_t>{5, 6, 7, 8}, 0, frame));
-  EXPECT_EQ(frame.grey, (std::vector<std::uint8_t>{5, 6, 7, 8}));
-  EXPECT_FALSE(grey_from_grey(std::vector<std::uint8_t>{5, 6, 7}, 0, frame)) << "a frame cut short on the bus";
-  EXPECT_FALSE(grey_from_yuyv(std::vector<std::uint8_t>{5, 6, 7, 8}, 0, frame));
+  EXPECT_EQ(frame.grey, (Frame::Grey{1, 2, 3, 4}));
+  EXPECT_TRUE(grey_from_grey(Frame::Grey{5, 6, 7, 8}, 0, frame));
+  EXPECT_EQ(frame.grey, (Frame::Grey{5, 6, 7, 8}));
+  EXPECT_FALSE(grey_from_grey(Frame::Grey{5, 6, 7}, 0, frame)) << "a frame cut short on the bus";
+  EXPECT_FALSE(grey_from_yuyv(Frame::Grey{5, 6, 7, 8}, 0, frame));
 }
 
 Frame blank(int width, int height) {
@@ -221,13 +221,13 @@ TEST(Pixels, GreyOutOfEveryFormat) {
   Frame frame = blank(2, 2);
   const std::vector<std::uint8_t> uyvy{128, 10, 128, 20, 0, 0, 128, 30, 128, 40, 0, 0};  // two bytes between rows
   ASSERT_TRUE(grey_from_uyvy(uyvy, 6, frame));
-  EXPECT_EQ(frame.grey, (std::vector<std::uint8_t>{10, 20, 30, 40}));
+  EXPECT_EQ(frame.grey, (Frame::Grey{10, 20, 30, 40}));
   const std::vector<std::uint8_t> y10{0xff, 0x03, 0x00, 0x02, 0x04, 0x00, 0x00, 0x00};
   ASSERT_TRUE(grey_from_words<10>(y10, 0, frame));
-  EXPECT_EQ(frame.grey, (std::vector<std::uint8_t>{255, 128, 1, 0}));
+  EXPECT_EQ(frame.grey, (Frame::Grey{255, 128, 1, 0}));
   const std::vector<std::uint8_t> y16{0xff, 0xff, 0x00, 0x80, 0xff, 0x00, 0x00, 0x01};
   ASSERT_TRUE(grey_from_words<16>(y16, 0, frame));
-  EXPECT_EQ(frame.grey, (std::vector<std::uint8_t>{255, 128, 0, 1}));
+  EXPECT_EQ(frame.grey, (Frame::Grey{255, 128, 0, 1}));
   EXPECT_FALSE(grey_from_words<16>(std::span(y16).first(7), 0, frame)) << "a byte is missing";
   EXPECT_FALSE(grey_from_uyvy(std::span(uyvy).first(9), 6, frame));
 }
@@ -244,7 +244,7 @@ TEST(Pixels, BayerIsTheSameGreyAtEveryColour) {
         bytes.push_back(static_cast<std::uint8_t>((v % 2 == 0 ? even : odd)[static_cast<std::size_t>(u % 2)]));
     Frame frame = blank(width, height);
     ASSERT_TRUE(grey_from_bayer(bytes, 0, frame));
-    EXPECT_EQ(frame.grey, std::vector<std::uint8_t>(width * height, 80));
+    EXPECT_EQ(frame.grey, Frame::Grey(width * height, 80));
   }
 }
 

@@ -46,7 +46,7 @@ TEST(V4l2, TakesGreyOutOfColours) {
   Frame frame;
   ASSERT_TRUE((*camera)->read(frame).value());
   EXPECT_EQ(frame.width, 320);
-  EXPECT_EQ(frame.grey, std::vector<std::uint8_t>(320 * 240, 77));
+  EXPECT_EQ(frame.grey, Frame::Grey(320 * 240, 77));
 }
 
 TEST(V4l2, TakesGreyOutOfFormatsThatAreSeldom) {
@@ -68,7 +68,7 @@ TEST(V4l2, TakesGreyOutOfFormatsThatAreSeldom) {
     ASSERT_TRUE(camera) << camera.error();
     Frame frame;
     ASSERT_TRUE((*camera)->read(frame).value());
-    EXPECT_EQ(frame.grey, std::vector<std::uint8_t>(320 * 240, grey)) << detail::four_letters(format);
+    EXPECT_EQ(frame.grey, Frame::Grey(320 * 240, grey)) << detail::four_letters(format);
   }
 }
 
