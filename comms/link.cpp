@@ -96,9 +96,11 @@ void Link::read(double now) {
   std::array<std::uint8_t, 512> bytes;
   // A few rounds: one robot that talks without end must not keep the others waiting.
   for (int round = 0; transport_ && !transport_->connecting() && round < 8; ++round) {
+    const std::size_t undelivered = transport_->undelivered();
     const auto count = transport_->read(bytes);
     if (!count) return lose(count.error(), now);
     if (*count == 0) return;
+    session_->undelivered(undelivered);
     session_->received(std::span(bytes).first(*count), now);
     if (session_->garbled()) return;
   }

@@ -35,6 +35,7 @@ void LinkSession::opened(double now) {
   unconfirmed_.reset();
   question_.reset();
   output_.clear();
+  undelivered_ = 0;
   owes_reply_ = false;
   garbled_ = false;
   silent_since_ = now;

@@ -55,6 +55,9 @@ class LinkSession {
   void opened(double now);  ///< the link is open (again): stop sequence; commands from before are dropped
   void lost(std::string reason, double now);  ///< the link is gone
   void received(std::span<const std::uint8_t> bytes, double now);
+  /// So many of the bytes that were sent are not known to have reached the robot, see Transport. To be called before
+  /// the bytes are read that `received` gets.
+  void undelivered(std::size_t bytes) noexcept { undelivered_ = bytes; }
   void advance(double now);  ///< lets time pass; call it at deadline() at the latest
 
   // --- What is asked of the robot -----------------------------------------------------------------------------------
@@ -140,12 +143,16 @@ class LinkSession {
   /// A question is completely written and not answered.
   bool answer_due() const noexcept { return question_ && question_->unsent == 0; }
   Question asked() const noexcept { return question_ ? question_->what : Question::none; }
+  /// The end of all output so far, and whether the robot may have got everything up to there. [bytes]
+  std::uint64_t output_end() const noexcept { return counters_.bytes_sent + output_.size(); }
+  bool delivered(std::uint64_t end) const noexcept { return counters_.bytes_sent >= end + undelivered_; }
 
   LinkOptions options_;
   WheelUnit unit_;
   Phase phase_ = Phase::closed;
   std::vector<std::uint8_t> output_;
-  double asked_at_ = 0.0;  // when the newest question or stop was sent
+  std::size_t undelivered_ = 0;  // of the bytes sent
+  double asked_at_ = 0.0;        // when the newest question or stop was sent
   bool stop_acknowledged_ = false;
   std::string reason_;
   LinkStatus counters_;

@@ -3,6 +3,7 @@
 #include <arpa/inet.h>
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <linux/sockios.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <sys/epoll.h>
@@ -322,6 +323,12 @@ tl::expected<std::size_t, TransportError> Transport::write(std::span<const std::
   if (count >= 0) return static_cast<std::size_t>(count);
   if (nothing_now(errno)) return 0;
   return fail(errno, address_);
+}
+
+std::size_t Transport::undelivered() const noexcept {
+  int bytes = 0;
+  const bool known = address_.kind == LinkKind::tcp && ::ioctl(descriptor_, SIOCOUTQ, &bytes) == 0 && bytes > 0;
+  return known ? static_cast<std::size_t>(bytes) : 0;
 }
 
 }  // namespace skein::comms

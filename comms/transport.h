@@ -50,6 +50,9 @@ class Transport {
   tl::expected<std::size_t, TransportError> read(std::span<std::uint8_t> into);
   /// Number of bytes that the system accepted; 0: it is full now. The error: the link is gone.
   tl::expected<std::size_t, TransportError> write(std::span<const std::uint8_t> bytes);
+  /// Of the bytes written, the number that the robot's end is not known to have received; 0 where the system cannot
+  /// tell: only TCP can.
+  std::size_t undelivered() const noexcept;
 
  private:
   Transport(int descriptor, bool connecting, LinkAddress address);

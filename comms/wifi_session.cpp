@@ -12,6 +12,7 @@ constexpr double stands_after = 0.1;
 
 void WifiSession::begin() {
   parser_.clear();
+  heard_ = false;
   newest_ = {};
   packets_ = changes_ = 0;
   standing_.reset();
@@ -30,15 +31,19 @@ void WifiSession::put_stop() {
   put({});
   if (phase_ == Phase::synchronising) return;
   packets_ = changes_ = 0;
+  asked_end_ = output_end();
   standing_.reset();
 }
 
 void WifiSession::put_request(std::optional<WheelCommand> speeds, Question question) {
-  if (question != Question::none) packets_ = 0;
   put(speeds.value_or(newest_));  // every packet tells the battery
+  if (question == Question::none) return;
+  packets_ = 0;
+  asked_end_ = output_end();
 }
 
 void WifiSession::hear(std::span<const std::uint8_t> bytes, double now) {
+  heard_ = true;
   parser_.feed(bytes);
   while (const auto next = parser_.next()) packet(*next, now);
   if (parser_.garbled()) garble("the robot sent an invalid packet: is it an e-puck2 with the WiFi firmware?");
@@ -48,8 +53,8 @@ void WifiSession::packet(const WifiPacket& packet, double now) {
   if (!packet.sensors) return;
   read_counters(packet.encoders, now, now);  // unsolicited: their time in flight is not known
   read_battery(packet.battery, now);
-  // What came before the request had gone out says nothing about it.
-  if (!output_.empty()) return;
+  // What came before the robot had the request says nothing about it.
+  if (!output_.empty() || !delivered(asked_end_)) return;
   ++packets_;
   if (phase_ == Phase::up) {
     if (answer_due() && packets_ >= packets_to_answer) answered({}, now);
@@ -74,10 +79,9 @@ void WifiSession::no_answer_to_stop(double now) {
   // UART: that is no reason to connect again.
   constexpr int on_their_way = 4;  // packets from before the stop
   const bool streams = standing_ && now < standing_since_ + 2.0 * stands_after;
-  if (streams && changes_ <= on_their_way)
-    asked_at_ = now;
-  else
-    repeat_stop(now);
+  if (streams && changes_ <= on_their_way) return void(asked_at_ = now);
+  repeat_stop(now);
+  if (!heard_) reason_ += ", nor anything else on this connection: does another program drive the robot?";
 }
 
 }  // namespace skein::comms

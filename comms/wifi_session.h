@@ -8,7 +8,8 @@ namespace skein::comms {
 /// LinkSession for an e-puck2 over WiFi (epuck_wifi.h). The robot streams: from the first command on it sends about 45
 /// packets per second, whether or not commands come. So answers are not matched to requests, and no packet is
 /// unsolicited: the newest packet has the counters, and its age shows whether the robot is alive. A packet may have
-/// been composed before a command came; a question counts as answered by the second packet after it. A stop is
+/// been composed before a command came; a question counts as answered by the second packet after TCP has delivered it:
+/// where commands are lost on their way, packets of a robot that drives on by an older one still come. A stop is
 /// confirmed by constant counters. The speeds taken cannot be read back.
 ///
 /// A pause of the stream does not end the connection: the firmware never closes a client's socket and has about ten of
@@ -30,7 +31,9 @@ class WifiSession final : public LinkSession {
 
   WifiParser parser_;
   WheelCommand newest_;               // the last command sent
-  int packets_ = 0;                   // since the newest question or stop was sent
+  bool heard_ = false;                // something, on this connection
+  int packets_ = 0;                   // since the newest question or stop was delivered
+  std::uint64_t asked_end_ = 0;       // its end in the output
   std::optional<Encoders> standing_;  // counters since the stop
   double standing_since_ = 0.0;       // since when they have not changed [s]
   int changes_ = 0;                   // of these counters

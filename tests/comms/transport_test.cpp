@@ -32,6 +32,7 @@
 #include "comms/emulator/pty_emulator.h"
 #include "comms/emulator/tcp_epuck.h"
 #include "tests/comms/other_program.h"
+#include "tests/comms/wait_until.h"
 #include "tests/property.h"
 #include "tests/seconds.h"
 
@@ -39,6 +40,7 @@ namespace skein::comms {
 namespace {
 
 using test::seconds;
+using test::wait_until;
 
 LinkAddress serial(const std::string& device) {
   return {LinkKind::serial, device, 0, ""};
@@ -105,6 +107,7 @@ TEST(Transport, OverTcpAStopArrivesSoonAfterARobotIsBackInReach) {
   };
   carry();
   for (const int end : {reached, control}) ASSERT_GT(::recv(end, heard.data(), heard.size(), 0), 0);
+  EXPECT_TRUE(wait_until([&] { return transport->undelivered() == 0; })) << transport->undelivered();
 
   sock_filter nothing = BPF_STMT(BPF_RET | BPF_K, 0);
   const sock_fprog drop{.len = 1, .filter = &nothing};
@@ -115,6 +118,7 @@ TEST(Transport, OverTcpAStopArrivesSoonAfterARobotIsBackInReach) {
   }
   carry();
   std::this_thread::sleep_for(std::chrono::seconds(4));
+  EXPECT_EQ(transport->undelivered(), stop.size());
   const int none = 0;
   for (const int end : {reached, control})
     ASSERT_EQ(::setsockopt(end, SOL_SOCKET, SO_DETACH_FILTER, &none, sizeof none), 0);

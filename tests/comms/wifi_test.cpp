@@ -247,6 +247,61 @@ TEST(WifiSession, APauseOfTheStreamStopsTheRobotAndKeepsTheConnection) {
   EXPECT_EQ(lab.robot.wheels(), WheelSpeeds{});
 }
 
+/// On the way to the robot everything is lost, on the way back nothing: it drives on by its last command, and its
+/// packets come as ever. Only TCP knows that it has not got the newer ones.
+TEST(WifiSession, PacketsOfARobotThatHasNotGotItsCommandsConfirmNothing) {
+  WifiLab lab;
+  lab.open();
+  lab.command(700, 700);
+  lab.rounds(4);
+  ASSERT_EQ(lab.robot.wheels().left, core::actual_step_rate(core::MotorModel::epuck2, 700));
+  std::size_t lost = 0;
+  const auto lose = [&] {
+    lost += lab.take().size();
+    Bytes packet;
+    lab.robot.stream(packet);
+    lab.pass(EpuckFirmware::stream_period);
+    lab.session.undelivered(lost);
+    lab.session.received(packet, lab.now);
+  };
+  const double since = lab.now;
+  for (int speed = 100; lab.session.up(); ++speed) {
+    ASSERT_LT(lab.now, since + 0.7) << "it is taken to obey";
+    lab.command(speed, speed);
+    lose();
+    lose();
+  }
+  EXPECT_GT(lab.robot.wheels().left, 600);
+  for (int k = 0; k < 50; ++k) lose();
+  EXPECT_FALSE(lab.session.stop_acknowledged()) << "it drives";
+  lab.session.undelivered(0);
+  Bytes none;
+  lab.robot.receive(the_stop, none);  // TCP sends it again
+  lab.rounds(14);
+  EXPECT_TRUE(lab.session.up());
+  EXPECT_TRUE(lab.session.stop_acknowledged());
+}
+
+TEST(WifiSession, OfARobotThatTakesTheConnectionAndSaysNothingTheReasonIsSaid) {
+  WifiLab lab;
+  lab.session.opened(lab.now);
+  const auto say_nothing = [&] {
+    for (int k = 0; k < 300; ++k) {
+      (void)lab.take();
+      lab.pass(0.01);
+    }
+  };
+  say_nothing();
+  EXPECT_NE(lab.session.status(lab.now).reason.find("does another program drive the robot?"), std::string::npos)
+      << lab.session.status(lab.now).reason;
+  for (int k = 0; k < 14; ++k) lab.round();
+  ASSERT_TRUE(lab.session.up());
+  say_nothing();  // later on: that is something else
+  EXPECT_FALSE(lab.session.up());
+  EXPECT_EQ(lab.session.status(lab.now).reason.find("another program"), std::string::npos)
+      << lab.session.status(lab.now).reason;
+}
+
 TEST(WifiFirmware, OfFiveWaitingCommandsOnlyTheNewestIsCarriedOut) {
   EpuckFirmware robot{core::MotorModel::epuck2, EpuckProgram::wifi};
   Bytes packets;
