@@ -132,6 +132,7 @@ void compare_answers(const TickRecord& recorded, const OwnController& again, Rep
 /// What a row needs to be shown and no file has.
 void complete(TickRecord& row, const TickRecord& again) {
   row.phase = again.phase;
+  row.staging_paused = again.staging_paused;
   row.pair_gains = again.pair_gains;  // older files have none
   for (std::size_t i = 0; i < row.robots.size(); ++i) {
     row.robots[i].k_x = again.robots[i].k_x;

@@ -137,7 +137,7 @@ enum class Phase : std::uint8_t {
   paused,    ///< the reference stands still, robots stand
   stopped,   ///< STOP: latched; the run is over
   finished,  ///< the duration is over
-  staging,   ///< robots drive to their starts; then ready again, or finished
+  staging,   ///< robots drive to their starts, or stand where this is paused; then ready again, or finished
 };
 
 /// The stages of the way from a camera's frame to a robot's answer.
@@ -192,6 +192,7 @@ struct Latency {
 /// Everything about one tick: the CSV row, the plot sample, the replay's input, what tests compare.
 struct TickRecord {
   Phase phase = Phase::ready;
+  bool staging_paused = false;                ///< of Phase::staging: the robots stand until it is resumed
   double now = 0.0;                           ///< session's clock [s]
   double t = 0.0;                             ///< time of the experiment [s]
   std::int64_t tick = 0;                      ///< t * rate; jumps where deadlines were missed
@@ -210,6 +211,9 @@ struct TickRecord {
   std::vector<RobotRecord> robots;
   /// With several cameras the newest of each, as TickInput::measurements; else empty.
   std::vector<core::Measurement> by_camera;
+
+  /// Whether the robots stand until the operator resumes.
+  bool paused() const noexcept { return phase == Phase::paused || (phase == Phase::staging && staging_paused); }
 
   /// The largest of all pairs. `name` is one of core::gain_names.
   double gain(core::GainName name) const noexcept {

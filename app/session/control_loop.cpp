@@ -132,7 +132,9 @@ void ControlLoop::cycle(double now, int elapsed) {
                   static_cast<float>(core::distance(behind->pose, behind->nominal.pose))};
   not_staged_.store(not_staged, std::memory_order_release);
   report_(out_);
+  paused_.store(record.paused(), std::memory_order_release);
   phase_.store(record.phase, std::memory_order_release);
+  obeyed_so_far_.store(taken_, std::memory_order_release);
 }
 
 /// The run's own controller has its turn between the two parts of the tick, and a deadline: the tick itself never
@@ -271,6 +273,7 @@ void ControlLoop::take_commands(const EventList& events) {
     if (takes > room && !obeyed_.empty()) break;
     obeyed_.push_back(next);
     commands_.pop();
+    ++taken_;
     room -= std::min(room, takes);
     asked_more = true;
   }

@@ -37,7 +37,11 @@ class ControlLoop {
 
   /// Queues a command for the next ticks, in order. False: the queue is full, and the command is not executed. There is
   /// room for everything that can be set at once: every gain and every coupling of each pair.
-  [[nodiscard]] bool post(const OperatorCommand& command) { return commands_.push(command); }
+  [[nodiscard]] bool post(const OperatorCommand& command) {
+    const bool queued = commands_.push(command);
+    posted_ += queued ? 1 : 0;
+    return queued;
+  }
   [[nodiscard]] bool post(const Gesture& gesture) { return hand_.push(gesture); }
   /// From ready or paused: one tick of the experiment, and paused again.
   void step() noexcept { steps_.fetch_add(1, std::memory_order_acq_rel); }
@@ -59,6 +63,10 @@ class ControlLoop {
   void cycle_virtual();
 
   Phase phase() const noexcept { return phase_.load(std::memory_order_acquire); }
+  /// Whether the robots stand in the middle of it until it is resumed.
+  bool paused() const noexcept { return paused_.load(std::memory_order_acquire); }
+  /// Whether every queued command has been executed, so that `phase` is what came of them. The controlling thread's.
+  bool has_obeyed_all() const noexcept { return obeyed_so_far_.load(std::memory_order_acquire) == posted_; }
   /// The first robot without a known pose, from 0; -1: all are known.
   int unseen() const noexcept { return unseen_.load(std::memory_order_acquire); }
   /// The couplings of the latest tick: their present gains, where these are going, and which pairs are switched off.
@@ -153,6 +161,10 @@ class ControlLoop {
   bool paced_ = false;     // at every speed
   bool stepping_ = false;  // the next tick ends a step
   std::atomic<Phase> phase_{Phase::ready};
+  std::atomic<bool> paused_{false};
+  std::uint64_t posted_ = 0;  // commands; the controlling thread's
+  std::uint64_t taken_ = 0;   // of them, by the control thread
+  std::atomic<std::uint64_t> obeyed_so_far_{0};
   std::atomic<int> unseen_{0};
   std::atomic<NotStaged> not_staged_{};
   static_assert(std::atomic<NotStaged>::is_always_lock_free);

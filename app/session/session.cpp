@@ -195,7 +195,7 @@ Phase Session::run(const std::function<bool()>& keep_on) {
     }
   };
   const auto ask_or_fail = [&](const char* what, const Answer& answer) {
-    if (!answer) i.fail(fmt::format("{}: {}", what, answer.error()));
+    if (!answer && !i.loop->stop_asked()) i.fail(fmt::format("{}: {}", what, answer.error()));
   };
   const auto drive_to_starts = [&] {
     ask_or_fail("staging", stage());

@@ -45,10 +45,12 @@ class Session {
   /// no effect, and the error is the reason.
   using Answer = tl::expected<void, std::string>;
 
+  /// These four are refused in a phase in which they would change nothing.
   [[nodiscard]] Answer start();
   /// Every robot drives to its start without touching another, and stands there; then the session is ready again, or
-  /// finished if the run is over. Does nothing while it runs.
+  /// finished if the run is over. Before a run and after it.
   [[nodiscard]] Answer stage();
+  /// Robots that are running, or driving to their starts, stand until it is resumed.
   [[nodiscard]] Answer pause();
   [[nodiscard]] Answer resume();
   /// One tick from ready or paused on, and paused again. Refused with the reason if a link or camera runs in real time.

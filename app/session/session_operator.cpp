@@ -5,19 +5,82 @@
 #include "app/session/session_wiring.h"
 
 namespace skein::app {
+namespace {
+
+const std::string over = "the run is over", paused = "it is paused: resume it";
+
+/// Why a start would change nothing in this phase; empty: it would.
+std::string no_start(Phase phase, bool is_paused) {
+  switch (phase) {
+    case Phase::ready:
+      return {};
+    case Phase::staging:
+      return is_paused ? paused : "the robots drive to their starts: the run can start when they stand there";
+    case Phase::running:
+      return "the run has started";
+    case Phase::paused:
+      return paused;
+    case Phase::stopped:
+    case Phase::finished:
+      return over;
+  }
+  return {};
+}
+std::string no_staging(Phase phase, bool is_paused) {
+  switch (phase) {
+    case Phase::ready:
+    case Phase::finished:
+      return {};
+    case Phase::staging:
+      return is_paused ? paused : "the robots drive to their starts already";
+    case Phase::running:
+    case Phase::paused:
+      return "the run has started";
+    case Phase::stopped:
+      return over;
+  }
+  return {};
+}
+std::string no_pause(Phase phase, bool is_paused) {
+  switch (phase) {
+    case Phase::ready:
+      return "no robot drives";
+    case Phase::staging:
+    case Phase::running:
+    case Phase::paused:
+      return is_paused ? "it is paused" : "";
+    case Phase::stopped:
+    case Phase::finished:
+      return over;
+  }
+  return {};
+}
+std::string no_resume(Phase phase, bool is_paused) {
+  const bool is_over = phase == Phase::stopped || phase == Phase::finished;
+  return is_paused ? "" : is_over ? over : "it is not paused";
+}
+
+}  // namespace
+
+SessionWiring::Answer SessionWiring::ask_in_phase(const OperatorCommand& command, std::string (*why_not)(Phase, bool)) {
+  std::string why = loop->has_obeyed_all() ? why_not(loop->phase(), loop->paused()) : std::string();
+  if (why.empty() && loop->stop_asked()) why = over;
+  return why.empty() ? ask(command) : Answer(tl::unexpected(std::move(why)));
+}
+
 Session::Answer Session::start() {
   if (auto may = wiring_->may_drive(); !may) return may;
-  return wiring_->ask(commands::Start{});
+  return wiring_->ask_in_phase(commands::Start{}, no_start);
 }
 Session::Answer Session::stage() {
   if (auto may = wiring_->may_drive(); !may) return may;
-  return wiring_->ask(commands::Stage{});
+  return wiring_->ask_in_phase(commands::Stage{}, no_staging);
 }
 Session::Answer Session::pause() {
-  return wiring_->ask(commands::Pause{});
+  return wiring_->ask_in_phase(commands::Pause{}, no_pause);
 }
 Session::Answer Session::resume() {
-  return wiring_->ask(commands::Resume{});
+  return wiring_->ask_in_phase(commands::Resume{}, no_resume);
 }
 Session::Answer Session::step() {
   if (auto reason = real_time_reason(wiring_->experiment)) return tl::unexpected(*reason);

@@ -98,6 +98,9 @@ struct SessionWiring {
 
   /// Passes a command to the next ticks.
   Answer ask(const OperatorCommand& command) { return taken(loop->post(command)); }
+  /// The same, unless `why_not` has a reason why it would change nothing now. Until earlier commands are executed the
+  /// phase is not known in which the next tick finds it: then it is passed on.
+  Answer ask_in_phase(const OperatorCommand& command, std::string (*why_not)(Phase phase, bool is_paused));
   Answer ask(const ControlLoop::Gesture& gesture) { return taken(loop->post(gesture)); }
   static Answer taken(bool posted) {
     if (posted) return {};

@@ -490,6 +490,7 @@ void TickState::limit_and_shield() noexcept {
     robot.limits = 0;
     if (!moving() || is_out(i) || no_number[i]) {
       robot.mode |= stopped;
+      if (record.phase == Phase::staging && record.paused()) robot.mode |= staging;  // the CSV has no phase
       if (trust[i] < 1.0) robot.mode |= late;
       commands[i] = {};
       v_limits[i] = 0.0;

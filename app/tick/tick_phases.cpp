@@ -53,17 +53,8 @@ void TickState::obey(const OperatorCommand& command, bool recorded) noexcept {
   std::visit(Overloaded{
                  [&](const commands::Start&) { start(); },
                  [&](const commands::Stage&) { stage(); },
-                 [&](const commands::Pause&) {
-                   if (!running()) return;
-                   record.phase = Phase::paused;
-                   note(events::Pause{});
-                 },
-                 [&](const commands::Resume&) {
-                   if (record.phase != Phase::paused) return;
-                   record.phase = Phase::running;
-                   note(events::Resume{});
-                   forget_history();
-                 },
+                 [&](const commands::Pause&) { pause(); },
+                 [&](const commands::Resume&) { resume(); },
                  [&](const commands::PutObstacle& put) {
                    if (obstacles.put(put.number, put.obstacle)) note(events::PutObstacle{put.number, put.obstacle});
                  },
@@ -97,10 +88,28 @@ void TickState::start() noexcept {
   forget_history();
 }
 
+void TickState::pause() noexcept {
+  if (!moving()) return;
+  if (running())
+    record.phase = Phase::paused;
+  else
+    record.staging_paused = true;
+  note(events::Pause{});
+}
+
+void TickState::resume() noexcept {
+  if (!record.paused()) return;
+  if (record.phase == Phase::paused) record.phase = Phase::running;
+  record.staging_paused = false;
+  note(events::Resume{});
+  forget_history();
+}
+
 void TickState::stage() noexcept {
   if (record.phase != Phase::ready && record.phase != Phase::finished) return;
   after_staging = record.phase;
   record.phase = Phase::staging;
+  record.staging_paused = false;
   stood_for = 0.0;
   forget_ways();
   note(events::Stage{});

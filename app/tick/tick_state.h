@@ -116,6 +116,8 @@ struct TickState : TickSetup, TickMemory {
   void begin(const TickInput& input) noexcept;
   void obey(const OperatorCommand& command, bool recorded) noexcept;
   void start() noexcept;
+  void pause() noexcept;
+  void resume() noexcept;
   void stage() noexcept;
   /// Discards what was seen and done while nothing was recorded: otherwise a run could not be repeated from its record.
   void forget_history() noexcept {
@@ -146,7 +148,7 @@ struct TickState : TickSetup, TickMemory {
   Hindrance hindrance(std::size_t i) const noexcept;
 
   bool running() const noexcept { return record.phase == Phase::running; }
-  bool moving() const noexcept { return running() || record.phase == Phase::staging; }
+  bool moving() const noexcept { return running() || (record.phase == Phase::staging && !record.paused()); }
   /// A robot that is lost or held, or whose link has stopped it, is not in the group: it is commanded to stand, and its
   /// errors do not affect the others.
   bool is_out(std::size_t i) const noexcept { return record.robots[i].is(lost) || made_to_stand(i); }

@@ -119,6 +119,18 @@ TEST_F(StopEverywhere, InEveryState) {
     ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() != nullptr; }));
     const_cast<LiveRun&>(live()).stage();  // as the check list does for robots that nobody can put anywhere
     ASSERT_TRUE(eventually([&] { return live().phase() == app::Phase::staging; }));
+    if (way == ways.front()) {
+      ASSERT_EQ(live().state().go, RunState::Go::pause);
+      ASSERT_TRUE(live().state().may_go);
+      window.go();
+      ASSERT_TRUE(eventually([&] { return live().is_paused(); })) << "staging is not paused";
+      EXPECT_EQ(live().state().go, RunState::Go::resume);
+      window.go();
+      ASSERT_TRUE(eventually([&] { return !live().is_paused(); })) << "staging is not resumed";
+      EXPECT_EQ(live().phase(), app::Phase::staging);
+      window.go();
+      ASSERT_TRUE(eventually([&] { return live().is_paused(); }));
+    }
     stop(way);
     ASSERT_TRUE(eventually([&] { return stopped(); })) << "staging, way " << static_cast<int>(way);
   }

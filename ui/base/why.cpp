@@ -126,6 +126,8 @@ QString why(const app::TickRecord& record, std::size_t robot, const Circumstance
     case app::Phase::finished:
       return tr("stands: the run is over");
     case app::Phase::staging:
+      if (record.paused()) return tr("stands: the way to its start is paused");
+      break;
     case app::Phase::running:
       break;
   }

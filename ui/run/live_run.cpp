@@ -308,10 +308,9 @@ RunSource::Done LiveRun::go() {
     case app::Phase::ready:
       return start();
     case app::Phase::running:
-      return pause();
-    case app::Phase::paused:
-      return resume();
     case app::Phase::staging:
+    case app::Phase::paused:
+      return is_paused() ? resume() : pause();
     case app::Phase::stopped:
     case app::Phase::finished:
       return {};

@@ -53,6 +53,7 @@ class LiveRun final : public RunSource {
   QString file_text() const { return file_text_; }
   QString title() const override { return QString::fromStdString(experiment_.name); }
   app::Phase phase() const override { return latest_ ? latest_->phase : app::Phase::ready; }
+  bool is_paused() const { return latest_ && latest_->paused(); }
   RunState state() const override;
   /// The newest record of this session, if one has come.
   const app::TickRecord* latest() const override { return latest_ ? &*latest_ : nullptr; }

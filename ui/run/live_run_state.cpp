@@ -30,17 +30,16 @@ Severity phase_tone(app::Phase phase) {
 }
 
 /// What the button does in this phase.
-RunState::Go go_from(app::Phase phase) {
+RunState::Go go_from(app::Phase phase, bool paused) {
   switch (phase) {
     case app::Phase::running:
-      return RunState::Go::pause;
+    case app::Phase::staging:
     case app::Phase::paused:
-      return RunState::Go::resume;
+      return paused ? RunState::Go::resume : RunState::Go::pause;
     case app::Phase::stopped:
     case app::Phase::finished:
       return RunState::Go::again;
     case app::Phase::ready:
-    case app::Phase::staging:
       return RunState::Go::start;
   }
   return RunState::Go::start;
@@ -67,15 +66,23 @@ RunState LiveRun::state() const {
   const bool empty = failed && !failure_;  // no experiment was opened yet
   const QString real_time = real_time_reason();
   RunState state;
-  state.words = busy ? tr("Opening …") : empty ? tr("No experiment") : failed ? tr("Failed") : phase_text(phase());
-  state.tone = busy ? Severity::note : empty ? Severity::notice : failed ? Severity::alarm : phase_tone(phase());
+  state.words = busy                                       ? tr("Opening …")
+                : empty                                    ? tr("No experiment")
+                : failed                                   ? tr("Failed")
+                : phase() == Phase::staging && is_paused() ? tr("Staging, paused")
+                                                           : phase_text(phase());
+  state.tone = busy          ? Severity::note
+               : empty       ? Severity::notice
+               : failed      ? Severity::alarm
+               : is_paused() ? phase_tone(Phase::paused)
+                             : phase_tone(phase());
   state.moves = there && phase() == Phase::running;
   state.t = t();
   if (!empty && !is_over()) state.end = experiment_.duration;
   state.has_time = !empty;
   state.speed = speed();
-  state.go = go_from(phase());
-  state.may_go = there && phase() != Phase::staging;
+  state.go = go_from(phase(), is_paused());
+  state.may_go = there;
   const bool stands = phase() == Phase::ready || phase() == Phase::paused;
   state.step.possible = there && stands && real_time.isEmpty();
   state.step.tip = !real_time.isEmpty() ? tr("Simulations only: %1").arg(real_time)
@@ -115,8 +122,9 @@ Notice LiveRun::banner() const {
       return {stopped_text(), Severity::alarm};
     case app::Phase::finished:
       return {tr("Finished – new run: Ctrl+N")};
-    case app::Phase::running:
     case app::Phase::staging:
+      return is_paused() ? Notice{tr("Paused – the robots stand on the way to their starts")} : Notice{};
+    case app::Phase::running:
       return {};
   }
   return {};

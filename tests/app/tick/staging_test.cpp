@@ -67,6 +67,78 @@ TEST(Staging, RobotsInDisorderFindTheirStartsBeforeTheRun) {
   EXPECT_GT(again->ticks, 250);
 }
 
+TEST(Staging, APauseHoldsTheRobotsOnTheirWayUntilItIsResumed) {
+  const Experiment e = good(paper_experiment().source, disorder);
+  Rows rows;
+  std::ostringstream csv;
+  CsvWriter writer(csv, e);
+  auto session = Session::open(e, Session::Clock::virtual_, {false, {&rows, &writer}});
+  ASSERT_TRUE(session) << session.error();
+  const auto refused = [](const Session::Answer& answer) { return answer ? std::string("taken") : answer.error(); };
+  EXPECT_EQ(refused((*session)->pause()), "no robot drives");
+  std::vector<core::Pose> held;
+  int turns = 0;
+  EXPECT_EQ((*session)->run([&] {  // every 16 ticks
+    switch (++turns) {
+      case 3:
+        EXPECT_EQ(rows.rows.back().phase, Phase::staging);
+        EXPECT_THAT(refused((*session)->start()), ::testing::HasSubstr("the robots drive to their starts"));
+        EXPECT_THAT(refused((*session)->stage()), ::testing::HasSubstr("drive to their starts already"));
+        EXPECT_EQ(refused((*session)->resume()), "it is not paused");
+        EXPECT_EQ(refused((*session)->pause()), "taken");
+        break;
+      case 4:
+        EXPECT_TRUE(rows.rows.back().paused());
+        EXPECT_EQ(rows.rows.back().phase, Phase::staging);
+        for (const RobotRecord& robot : rows.rows.back().robots) {
+          EXPECT_EQ(robot.wheels, core::WheelSpeeds{});
+          held.push_back(robot.truth);
+        }
+        EXPECT_EQ(refused((*session)->pause()), "it is paused");
+        EXPECT_EQ(refused((*session)->start()), "it is paused: resume it");
+        EXPECT_EQ(refused((*session)->stage()), "it is paused: resume it");
+        break;
+      case 8:
+        for (std::size_t i = 0; i < held.size(); ++i) EXPECT_EQ(rows.rows.back().robots[i].truth, held[i]);
+        EXPECT_EQ(refused((*session)->resume()), "taken");
+        break;
+      case 9:
+        EXPECT_FALSE(rows.rows.back().paused());
+        EXPECT_NE(rows.rows.back().robots[0].wheels, core::WheelSpeeds{});
+        break;
+      default:
+        break;
+    }
+    return true;
+  }),
+            Phase::finished)
+      << (*session)->failure().value_or("");
+  EXPECT_EQ(refused((*session)->start()), "the run is over");
+  EXPECT_EQ(refused((*session)->pause()), "the run is over");
+  EXPECT_EQ(rows.count<events::Pause>(), 1);
+  EXPECT_EQ(rows.count<events::Resume>(), 1);
+  EXPECT_EQ(rows.count<events::Staged>(), 1);
+
+  std::istringstream in(csv.str());
+  const auto again = replay(in, "run.csv");
+  ASSERT_TRUE(again) << again.error();
+  EXPECT_EQ(again->different, 0) << again->first;
+}
+
+TEST(Staging, StopEndsItWhereItIsPaused) {
+  const Experiment e = good(paper_experiment().source, disorder);
+  auto session = Session::open(e, Session::Clock::virtual_, {});
+  int turns = 0;
+  EXPECT_EQ((*session)->run([&] {
+    if (++turns == 3) {
+      EXPECT_TRUE((*session)->pause());
+    }
+    return turns < 6;
+  }),
+            Phase::stopped);
+  EXPECT_FALSE((*session)->failure());
+}
+
 TEST(Staging, ThoseAtTheirStartsDoNotStage) {
   const Experiment e = good(paper_experiment().source, {"duration=1", "perturb=[]"});
   Rows rows;
