@@ -239,12 +239,12 @@ void ControlLoop::do_actions(double t, bool running, EventList& events) {
 std::size_t ControlLoop::most_events(const OperatorCommand& command) const noexcept {
   return std::visit(
       Overloaded{
-          [&](const commands::Start&) {  // tells of everything that was changed before
+          [&](const one_of<commands::Start, commands::Stage> auto&) {  // tell of everything that was changed before
             const std::size_t robots = experiment_.robots.size(), pairs = robots * (robots - 1) / 2;
             return 4 * pairs + robots + most_parameters + experiment_.obstacles.size() +
                    core::ObstacleField::room_for_more + 4;
           },
-          [](const one_of<commands::Pause, commands::Resume, commands::Stage, commands::PutObstacle, commands::Hold,
+          [](const one_of<commands::Pause, commands::Resume, commands::PutObstacle, commands::Hold,
                           commands::SetParameter> auto&) { return std::size_t{1}; },
           [](const one_of<commands::SetGain, commands::SetPairGain> auto&) { return std::size_t{2}; },
           [](const commands::Couple& couple) { return couple.on ? 2 * core::gain_names.size() + 1 : std::size_t{1}; },

@@ -567,8 +567,11 @@ void TickState::drive_wheels() noexcept {
     };
     const core::WheelSpeeds runs{run(left, robot.wheels.left, wanted.left),
                                  run(right, robot.wheels.right, wanted.right)};
-    acts_at[i] = record.now + robot.actuation_delay;
-    filters[i].command(acts_at[i], adrift[i] ? driving[i] : spec.drive.twist(runs));
+    const double from = record.now + robot.actuation_delay;
+    // Ticks in which nobody is driven are not all recorded: what follows must not depend on what links and robots did
+    // then.
+    filters[i].command(from, adrift[i] && moving() ? driving[i] : spec.drive.twist(runs));
+    acts_at[i] = moving() ? from : none;
     watch.drives(i, is_out(i) ? core::Pose{none, none, none} : poses[i], spec.drive.twist(runs));
   }
 }

@@ -78,6 +78,11 @@ void Couplings::go(GainName name, std::size_t i, std::size_t j, double value, bo
   if (ready) schedule_.step(1.0);
 }
 
+void Couplings::finish_ramps() noexcept {
+  constexpr double longest = 1e6;  // [s]
+  schedule_.step(longest);
+}
+
 void Couplings::set(const commands::SetGain& command, bool ready, bool recorded, EventList& events) noexcept {
   const GainName name = command.gain;
   if (name > gain_names.back()) return;  // slopes and weights are the file's

@@ -20,6 +20,8 @@ class Couplings {
   void set(const commands::SetGain& command, bool ready, bool recorded, EventList& events) noexcept;
   void set(const commands::SetPairGain& command, bool ready, bool recorded, EventList& events) noexcept;
   void couple(const commands::Couple& command, bool ready, bool recorded, EventList& events) noexcept;
+  /// Ends the ramps of what was changed while robots drove to their starts: a run begins with the gains asked for.
+  void finish_ramps() noexcept;
   /// Changes before the run must be in its record, so that it can be repeated from it.
   void note_changes_before_start(EventList& events) const noexcept;
   /// The file's changes that are due at time t. [s]

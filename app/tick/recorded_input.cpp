@@ -32,6 +32,8 @@ const TickInput& RecordedInput::of(const TickRecord& row) {
   for (std::size_t i = 0; i < laws_.size(); ++i) laws_[i] = row.robots[i].law;
   input_.now = row.now;
   input_.elapsed = static_cast<int>(std::max<std::int64_t>(1, row.tick - last_tick_));
+  for (const Event& event : row.events)  // while staging, no tick is counted
+    if (const auto* const missed = std::get_if<events::DeadlineMissed>(&event)) input_.elapsed = missed->ticks + 1;
   input_.stop = row.events.contains<events::Stop>();
   input_.measurements = measurements_;
   input_.delays = delays_;

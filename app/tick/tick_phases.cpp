@@ -71,10 +71,8 @@ void TickState::obey(const OperatorCommand& command, bool recorded) noexcept {
              command);
 }
 
-void TickState::start() noexcept {
-  if (record.phase != Phase::ready) return;
-  record.phase = Phase::running;
-  forget_ways();
+/// What was changed while nothing was recorded must be in the record, so that the run can be repeated from it.
+void TickState::note_changes_before_start() noexcept {
   couplings.note_changes_before_start(record.events);
   law_parameters.note_changes_before_start(record.events);
   for (std::size_t k = 0; k < obstacles.all().size(); ++k) {
@@ -84,6 +82,14 @@ void TickState::start() noexcept {
   }
   for (std::size_t i = 0; i < robots(); ++i)
     if (held[i] && !record.events.contains<events::Hold>(i)) note(events::Hold{i});
+}
+
+void TickState::start() noexcept {
+  if (record.phase != Phase::ready) return;
+  record.phase = Phase::running;
+  forget_ways();
+  couplings.finish_ramps();
+  note_changes_before_start();
   note(events::Start{});
   forget_history();
 }
@@ -112,6 +118,7 @@ void TickState::stage() noexcept {
   record.staging_paused = false;
   stood_for = 0.0;
   forget_ways();
+  if (after_staging == Phase::ready) note_changes_before_start();
   note(events::Stage{});
   forget_history();
 }

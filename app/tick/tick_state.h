@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -88,7 +89,7 @@ struct TickMemory {
   std::vector<bool> link_lost;       // and is not back
   std::vector<bool> off_nominal;     // follows a modified reference
   std::vector<DrivenWheels> wheels;
-  std::vector<double> acts_at;  // from when on the newest commands act [s]
+  std::vector<double> acts_at;  // from when on the newest commands act; none: nobody is driven [s]
   std::vector<core::ObedienceWatch> obedience;
 
   // What lasts for one tick.
@@ -115,6 +116,7 @@ struct TickState : TickSetup, TickMemory {
   // The stages of a tick, in their order.
   void begin(const TickInput& input) noexcept;
   void obey(const OperatorCommand& command, bool recorded) noexcept;
+  void note_changes_before_start() noexcept;
   void start() noexcept;
   void pause() noexcept;
   void resume() noexcept;
@@ -126,6 +128,7 @@ struct TickState : TickSetup, TickMemory {
     for (core::ObedienceWatch& of_robot : obedience) of_robot.forget();
     for (DrivenWheels& of_robot : wheels) of_robot.left.expected.forget(), of_robot.right.expected.forget();
     fusion.forget();
+    std::fill_n(shield_touched.get(), robots(), false);
   }
   void accept_measurements(std::size_t i, const TickInput& input) noexcept;
   void watch_cameras(const TickInput& input) noexcept;
