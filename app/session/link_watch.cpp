@@ -73,9 +73,11 @@ std::optional<std::string> LinkWatch::update(const std::vector<comms::LinkStatus
     if ((!up && (link.out_for > bridge_ || is_gone(link.state))) || (reopened && !known)) {
       const LinkState was = up ? LinkState::down : state;
       cell.reported.store(was, std::memory_order_release);
-      if (!lost)
-        lost = fmt::format("robot {}: the link {} {}{}{}", cell.robot + 1, up ? "was" : "is", word(was),
-                           link.reason.empty() ? "" : ": ", link.reason);
+      if (known && lost) continue;
+      const std::string sentence = fmt::format("robot {}: the link {} {}{}{}", cell.robot + 1, up ? "was" : "is",
+                                               word(was), link.reason.empty() ? "" : ": ", link.reason);
+      if (!known) losses_.push_back({cell.robot, sentence});
+      if (!lost) lost = sentence;
     } else if (up && known && cell.told.load(std::memory_order_acquire) != LinkState::up) {
       cell.reported.store(LinkState::up, std::memory_order_release);
     }

@@ -5,6 +5,7 @@
 #include <deque>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "app/run/tick_record.h"
@@ -26,6 +27,13 @@ class LinkWatch {
   /// and back before the control thread asks is told like any other.
   std::optional<std::string> update(const std::vector<comms::LinkStatus>& links);
 
+  /// A robot whose link was lost since the last call, and a sentence about it. The thread of `update`.
+  struct Loss {
+    std::size_t robot;
+    std::string sentence;
+  };
+  std::vector<Loss> losses() { return std::exchange(losses_, {}); }
+
   /// Adds an event for every link that was lost or came back since the last call, as far as there is room. Control
   /// thread only.
   void tell(EventList& events) noexcept;
@@ -44,6 +52,7 @@ class LinkWatch {
   };
 
   std::deque<Cell> cells_;  // atomics cannot move
+  std::vector<Loss> losses_;
   double bridge_;
   bool wall_;
 };

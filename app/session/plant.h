@@ -86,6 +86,8 @@ class Plant {
   void hush(std::size_t robot, double seconds);
   /// Supervises links and camera: returns why the run cannot go on, if so. Not on the control thread.
   std::optional<std::string> failure();
+  /// Links that `failure` found lost since the last call and that do not end the run. The same thread.
+  std::vector<LinkWatch::Loss> losses() { return watch_ ? watch_->losses() : std::vector<LinkWatch::Loss>{}; }
   /// Stops every robot and waits, at most a second, until each has acknowledged.
   void close();
 

@@ -194,6 +194,7 @@ struct SessionWiring {
     if (const double gap = loop->stood_still(); gap > 0.0) fail(stood_still_sentence(gap));
     if (phase == Phase::stopped || phase == Phase::finished) return;
     if (auto reason = plant->failure()) fail(*reason);
+    tell_of_losses();
     if (phase != Phase::ready)
       if (const auto moved = moved_camera()) fail(camera_moved_sentence(experiment, *moved, "STOP"));
     watch_controller();
@@ -201,6 +202,23 @@ struct SessionWiring {
     if (real_time && moves && clock.now() - last_look.load() > window_silence)
       fail(fmt::format("the window has not responded for {:g} s: the operator could neither see nor stop the robots",
                        window_silence));
+  }
+
+  /// Where the others go on without a robot whose link is lost.
+  void tell_of_losses() {
+    constexpr double again_after = 10.0;  // of a link that is lost again and again [s]
+    const double now = clock.now();
+    for (LinkWatch::Loss& loss : plant->losses()) {
+      if (experiment.failure.link_lost != FailureSpec::LinkLost::others_go_on) continue;
+      loss_told_at.resize(experiment.robots.size(), none);
+      double& told_at = loss_told_at[loss.robot];
+      if (now - told_at < again_after) continue;
+      told_at = now;
+      const std::lock_guard lock(failure_mutex);
+      alarms.push_back(loss.sentence +
+                       "; it is told to stop until it answers, then it waits for its release, and the "
+                       "others go on");
+    }
   }
 
   /// Ends a run whose controller has ended, unless the built-in law drives on.
@@ -247,6 +265,7 @@ struct SessionWiring {
   bool recorded = true;                 // on the virtual clock: no sink has failed
   bool closed = false;
   bool told_of_controller = false;
+  std::vector<double> loss_told_at;  // of each robot; the supervisor's [s]
   mutable std::mutex failure_mutex;
   std::optional<std::string> failure;
 };

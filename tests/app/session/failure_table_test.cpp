@@ -571,6 +571,12 @@ TEST(FailureTable, OthersGoOnWithoutARobotWhoseLinkIsLost) {
   ASSERT_TRUE(eventually([&] { return run.heard("link r2"); })) << run.said;
   ASSERT_TRUE(eventually([&] { return run.look().robots[1].is(stopped); }));
   EXPECT_TRUE(run.heard("hold r2")) << run.said;
+  std::string alarms;
+  EXPECT_TRUE(eventually([&] {
+    for (const std::string& one : run.session->alarms()) alarms += one + '\n';
+    return alarms.find("robot 2: the link is") != std::string::npos;
+  })) << "nobody is told: "
+      << alarms;
   EXPECT_EQ(run.newest.phase, Phase::running);
   EXPECT_FALSE(run.session->failure());
   EXPECT_FALSE(run.session->hold_robot(1, false)) << "its link is lost";
