@@ -1,9 +1,14 @@
 # Completion for bash: the programs themselves say what may follow (`skein complete WORD...`), so that this never falls behind them.
 _skein() {
   # bash takes words apart at = and :, the programs do not.
-  local words=() glued=0 word i
+  local words=() glued=0 word i quote
   for ((i = 1; i <= COMP_CWORD; ++i)); do
-    word=${COMP_WORDS[i]//\\/}  # as typed: a blank in a name has a backslash before it
+    word=${COMP_WORDS[i]} quote=
+    if [[ $word == [\"\']* ]]; then  # between quotes, of which the second may be to come
+      quote=${word:0:1} word=${word:1} word=${word%"$quote"}
+    else
+      word=${word//\\/}  # as typed: a blank in a name has a backslash before it
+    fi
     if [[ ${#words[@]} -gt 0 && ( $word == [=:]* || $glued -eq 1 ) ]]; then
       words[-1]+=$word
     else
@@ -11,20 +16,37 @@ _skein() {
     fi
     [[ $word == *[=:] ]] && glued=1 || glued=0
   done
-  local typed=${words[-1]} line files=0
-  local current=${COMP_WORDS[COMP_CWORD]}
-  [[ $current == [=:] ]] && current=
-  local before=${typed%"${current//\\/}"}
+  local typed=${words[-1]} line files=0 program=${COMP_WORDS[0]}
+  [[ $program == '~/'* ]] && program=$HOME${program:1}
+  [[ $word == [=:] ]] && word=
+  local before=${typed%"$word"}
   COMPREPLY=()
   while IFS= read -r line; do
     if [[ $line == @files ]]; then files=1; else line=${line%%$'\t'*}; COMPREPLY+=("${line#"$before"}"); fi
-  done < <("${COMP_WORDS[0]}" complete "${words[@]}" 2>/dev/null)
-  # A name of a run or a robot is a word of the command line, whatever is in it: '$(reboot)' is no command.
-  for i in "${!COMPREPLY[@]}"; do printf -v "COMPREPLY[i]" %q "${COMPREPLY[i]}"; done
+  done < <("$program" complete "${words[@]}" 2>/dev/null)
+  # A name of a run or a robot is a word of the command line, whatever is in it: '$(reboot)' is no command. Of names of
+  # files bash quotes what it must, of others not all.
+  local plain=1
+  for i in "${!COMPREPLY[@]}"; do
+    printf -v line %q "${COMPREPLY[i]}"
+    [[ $line == "${COMPREPLY[i]}" ]] || plain=0
+  done
   if ((files)); then
-    compopt -o filenames 2>/dev/null
-    while IFS= read -r line; do COMPREPLY+=("$line"); done < <(compgen -f -- "$current")
+    ((plain)) && compopt -o filenames 2>/dev/null || plain=0
+    while IFS= read -r line; do
+      ((plain)) || [[ ! -d ${line/#'~/'/$HOME/} ]] || line+=/
+      COMPREPLY+=("$line")
+    done < <(compgen -f -- "$word")
   fi
-  [[ ${#COMPREPLY[@]} -eq 1 && ${COMPREPLY[0]} == *[=:] ]] && compopt -o nospace 2>/dev/null
+  ((plain)) || for i in "${!COMPREPLY[@]}"; do
+    line=${COMPREPLY[i]}
+    case $quote in
+      \') line=${line//\'/\'\\\'\'} ;;
+      \") line=${line//\\/\\\\} line=${line//\"/\\\"} line=${line//\$/\\\$} line=${line//\`/\\\`} ;;
+      *) printf -v line %q "$line" && line=${line/#'\~/'/'~/'} ;;
+    esac
+    COMPREPLY[i]=$line
+  done
+  [[ ${#COMPREPLY[@]} -eq 1 && ${COMPREPLY[0]} == *[=:/] ]] && compopt -o nospace 2>/dev/null
 }
 complete -F _skein skein skein-bench

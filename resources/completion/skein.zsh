@@ -1,9 +1,12 @@
 #compdef skein skein-bench
 # Completion for zsh: the programs themselves say what may follow (`skein complete WORD...`), so that this never falls behind them.
 _skein() {
-  local -a lines whole open
-  local line word
-  lines=("${(@f)$(_call_program candidates ${(q)words[1]} complete "${(@q)words[2,CURRENT]}" 2>/dev/null)}")
+  local -a lines whole open typed
+  local line word program=${(Q)words[1]}
+  [[ $program == \~/* ]] && program=$HOME${program#\~}
+  typed=("${(@Q)words[2,CURRENT]}")  # without backslashes and quotes, of which the last may be open
+  typed[-1]=${typed[-1]#[\'\"]}
+  lines=("${(@f)$(_call_program candidates ${(q)program} complete "${(@q)typed}" 2>/dev/null)}")
   for line in $lines; do
     if [[ $line == @files ]]; then _files; continue; fi
     word=${line%%$'\t'*} line=${line#*$'\t'}

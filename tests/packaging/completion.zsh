@@ -1,4 +1,4 @@
-# completion.zsh SOURCE: the completion as zsh runs it, in a terminal of its own: what stands on the line after it.
+# completion.zsh SOURCE BUILD: the completion as zsh runs it, in a terminal of its own: what stands on the line after it.
 zmodload zsh/zpty
 dots=$(mktemp -d) && trap 'rm -rf $dots' EXIT
 mkdir $dots/functions && cp $1/resources/completion/skein.zsh $dots/functions/_skein
@@ -11,7 +11,7 @@ complete-line() { zle expand-or-complete; print -r -- "<$BUFFER>"; BUFFER= }
 zle -N complete-line && bindkey '^G' complete-line
 print ready
 RC
-zpty shell "ZDOTDIR=$dots TERM=dumb zsh -i"
+zpty shell "HOME=${(q)2} ZDOTDIR=$dots TERM=dumb zsh -i"
 zpty -r -m shell line '*ready*' || exit 1
 failed=0
 # completes WORDS LINE: what stands on the line once WORDS are completed.
@@ -28,4 +28,8 @@ completes 'skein run platoon --set arena.wid' 'skein run platoon --set arena.wid
 completes 'skein run platoon --set avoidance.kind=pl' 'skein run platoon --set avoidance.kind=plan '
 completes 'skein robots pi' 'skein robots ping '
 completes 'skein-bench loo' 'skein-bench loopback '
+completes '~/bin/skein repl' '~/bin/skein replay '
+completes 'skein runs verify a\ ' 'skein runs verify a\ \$run\` '
+completes "skein runs verify 'a " "skein runs verify 'a \$run\`' "
+completes 'skein runs verify "a ' 'skein runs verify "a \$run\`" '
 exit $failed
