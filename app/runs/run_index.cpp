@@ -199,7 +199,7 @@ struct RunIndex::State {
   /// Begins a transaction; what is no index of this version is refused.
   void begin() {
     sqlite3_busy_timeout(database, static_cast<int>(patience.count()));
-    execute("PRAGMA journal_mode = MEMORY; PRAGMA synchronous = OFF;");  // it may be thrown away
+    // With the journal in a file, as is usual: half an index, which a killed program would leave, may look sound.
     execute("BEGIN IMMEDIATE");
     Statement version(database, "PRAGMA user_version");
     version.row();

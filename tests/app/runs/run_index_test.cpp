@@ -1,10 +1,15 @@
 #include "app/runs/run_index.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sqlite3.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
+#include <csignal>
 #include <fstream>
 #include <memory>
 
@@ -273,6 +278,48 @@ TEST(RunIndex, AFolderThatMayNotBeLookedIntoIsNamed) {
   EXPECT_NE(index.problems()[0].find("2026-11-02_120000_platoon/run.json: cannot be read: Permission denied"),
             std::string::npos)
       << index.problems()[0];
+}
+
+/// What a program leaves that is killed while it writes the index.
+TEST(RunIndex, AWriterThatIsKilledHidesNoRun) {
+  const Folder runs;
+  const auto keep = [&](int number, int collisions) {
+    std::string story = R"({"summary":{"collisions":)" + std::to_string(collisions);
+    for (int key = 0; key < 40; ++key)
+      story += ",\"value_" + std::to_string(key) + "\":\"" + std::string(50, 'x') + std::to_string(collisions) + '"';
+    keep_run(runs, "run_" + std::to_string(100 + number), story + "}}");
+  };
+  constexpr int all = 60;
+  for (int number = 0; number < all; ++number) keep(number, 0);
+  const std::string file = runs / ".index.sqlite", before = runs / "before";
+  ASSERT_EQ(RunIndex::open(runs.path)->size(), std::size_t{all});
+  std::filesystem::copy_file(file, before);
+  keep(all / 2, 17);
+  const auto size = std::filesystem::file_size(file);
+  const auto query = parse_query("collisions = 17 and value_0 ~ x and value_39 ~ x").value();
+  constexpr std::uintmax_t page = 4096;
+  for (std::uintmax_t most = page; most < size; most += page) {
+    const pid_t writer = ::fork();
+    if (writer == 0) {  // the system kills it when it writes beyond `most`
+      const rlimit none{0, 0}, limit{most, most};
+      ::setrlimit(RLIMIT_CORE, &none);
+      ::setrlimit(RLIMIT_FSIZE, &limit);
+      ::signal(SIGXFSZ, SIG_DFL);
+      (void)RunIndex::open(runs.path);
+      ::_exit(0);
+    }
+    int status = 0;
+    ASSERT_EQ(::waitpid(writer, &status, 0), writer);
+    auto index = RunIndex::open(runs.path);
+    ASSERT_TRUE(index) << most;
+    const auto matching = index->find(query, {});
+    ASSERT_TRUE(matching) << most << ": " << matching.error();
+    EXPECT_EQ(matching->size(), 1u) << most;
+    EXPECT_EQ(index->all({}).size(), std::size_t{all}) << most;
+    std::filesystem::remove(file);
+    std::filesystem::remove(file + "-journal");
+    std::filesystem::copy_file(before, file);
+  }
 }
 
 /// The index as another program has it open.
