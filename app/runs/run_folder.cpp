@@ -121,8 +121,8 @@ std::optional<std::int64_t> began_at(const nlohmann::ordered_json& story) {
     return {};
   const std::chrono::year_month_day date{std::chrono::year(year), std::chrono::month(static_cast<unsigned>(month)),
                                          std::chrono::day(static_cast<unsigned>(day))};
-  // Nanoseconds since 1970 end in 2262. A second may be a leap second, and no zone is a day away.
-  constexpr int earliest = 1700, latest = 2200;
+  // Nanoseconds since 1970 end in April 2262. A second may be a leap second, and no zone is a day away.
+  constexpr int earliest = 1700, latest = 2261;
   const auto within = [](auto value, auto low, auto high) { return value >= low && value <= high; };
   if (!date.ok() || !within(year, earliest, latest) || !within(hour, 0, 23) || !within(minute, 0, 59) ||
       !within(second, 0.0, 61.0) || !within(zone_hours, 0, 23) || !within(zone_minutes, 0, 59))

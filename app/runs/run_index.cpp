@@ -14,6 +14,7 @@
 #include <cstring>
 #include <filesystem>
 #include <future>
+#include <limits>
 #include <set>
 #include <span>
 #include <stdexcept>
@@ -122,6 +123,12 @@ struct Stamp {
   std::int64_t changed, size;
   bool operator==(const Stamp&) const = default;
 };
+
+/// When a file changed [ns since 1970]; none before 1677 or after 2262, of which there are no such numbers.
+std::int64_t nanoseconds(const timespec& time) {
+  constexpr std::int64_t per_second = 1'000'000'000, most = std::numeric_limits<std::int64_t>::max() / per_second - 1;
+  return std::clamp<std::int64_t>(time.tv_sec, -most, most) * per_second + time.tv_nsec;
+}
 
 /// What is read of a run's folder.
 struct Reading {
@@ -257,8 +264,7 @@ struct RunIndex::State {
           problems.push_back(fmt::format("{}: cannot be read: {}", story.string(), std::strerror(errno)));
         continue;
       }
-      found[one->path().filename().string()] = {
-          std::int64_t{status.st_mtim.tv_sec} * 1'000'000'000 + status.st_mtim.tv_nsec, status.st_size};
+      found[one->path().filename().string()] = {nanoseconds(status.st_mtim), status.st_size};
     }
     return found;
   }

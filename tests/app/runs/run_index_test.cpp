@@ -217,6 +217,19 @@ TEST(RunIndex, ARunThatSaysNoTimeIsAsOldAsItsFile) {
   EXPECT_EQ(find_run("last", runs.path).value(), runs / "00") << "no older one takes its place";
 }
 
+/// Of a machine whose clock is wrong: ns since 1970 end in 2262.
+TEST(RunIndex, ATimeFarAheadIsLaterThanAllOthers) {
+  EXPECT_GT(began_at(nlohmann::ordered_json{{"began", "2261-12-31T23:59:59.000+00:00"}}),
+            began_at(nlohmann::ordered_json{{"began", "2200-12-31T23:59:59.000+00:00"}}));
+  const Folder runs;
+  keep_run(runs, "a", R"({"began":"2261-12-31T23:59:59.000+00:00"})");
+  keep_run(runs, "0", R"({"began":"yesterday"})");
+  constexpr time_t year_2300 = 10'413'792'000;
+  const std::array<timespec, 2> times{{{year_2300, 0}, {year_2300, 0}}};
+  ASSERT_EQ(::utimensat(AT_FDCWD, (runs / "0/run.json").c_str(), times.data(), 0), 0);
+  EXPECT_EQ(find_run("last", runs.path).value(), runs / "0");
+}
+
 TEST(RunIndex, AKeyThatIsNotThereIsRefusedWithSimilarOnes) {
   FourRuns four;
   auto index = RunIndex::open(four.runs.path).value();
