@@ -41,8 +41,10 @@ tl::expected<std::string, std::string> runs_directory(const std::string& asked) 
 std::vector<std::string> files_of_run(const std::string& folder) {
   std::vector<std::string> names;
   std::error_code error;
-  for (fs::recursive_directory_iterator file(folder, error), end; !error && file != end; file.increment(error))
-    if (file->is_regular_file(error)) names.push_back(file->path().lexically_relative(folder).string());
+  constexpr auto others = fs::directory_options::skip_permission_denied;
+  for (fs::recursive_directory_iterator file(folder, others, error), end; !error && file != end; file.increment(error))
+    if (std::error_code gone; file->is_regular_file(gone))
+      names.push_back(file->path().lexically_relative(folder).string());
   std::sort(names.begin(), names.end());
   return names;
 }

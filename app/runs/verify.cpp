@@ -75,12 +75,17 @@ Step check_files(const std::string& folder, const Json& story, std::vector<std::
     notes.push_back(fmt::format("the program was killed while it drew the run's figures: `skein report` draws them{}",
                                 left.empty() ? "" : "; not verified, and perhaps not complete: " + left));
   std::error_code error;
-  for (fs::recursive_directory_iterator one(folder, error), end; !error && one != end; one.increment(error)) {
-    std::error_code gone;
-    if (one->is_regular_file(gone) || one->symlink_status(gone).type() == fs::file_type::directory) continue;
-    fail(fmt::format("{}: does not belong to the run: it is a link, a device or a FIFO",
-                     one->path().lexically_relative(folder).string()));
+  constexpr auto others = fs::directory_options::skip_permission_denied;
+  for (fs::recursive_directory_iterator one(folder, others, error), end; one != end; one.increment(error)) {
+    std::error_code gone, closed;
+    const std::string name = one->path().lexically_relative(folder).string();
+    if (one->is_regular_file(gone)) continue;
+    if (one->symlink_status(gone).type() != fs::file_type::directory)
+      fail(fmt::format("{}: does not belong to the run: it is a link, a device or a FIFO", name));
+    else if (const fs::directory_iterator inside(one->path(), closed); closed)
+      fail(fmt::format("{}: cannot be looked into: {}", name, closed.message()));
   }
+  if (error) fail(fmt::format("{}: cannot be read: {}", folder, error.message()));
   if (failed > most) step.finding += fmt::format("; and {} more files", failed - most);
   if (step.holds) step.finding = fmt::format("{} files have their hashes in run.json", known.size() - 1);
   return step;

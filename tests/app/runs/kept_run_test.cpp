@@ -466,6 +466,18 @@ TEST(Verify, NoticesLinksAndWhatIsNoFile) {
 }
 
 /// Whoever changes a number and its hash as well is found out by the run itself.
+TEST(Verify, NoticesAFolderThatMayNotBeLookedInto) {
+  if (::geteuid() == 0) GTEST_SKIP() << "root may look into every folder";
+  const Folder folder;
+  const std::string run = keep(folder, folder / "runs", text);
+  std::filesystem::create_directories(run + "/hidden");
+  std::filesystem::permissions(run + "/hidden", std::filesystem::perms::none);
+  const auto found = verify_run(run);
+  std::filesystem::permissions(run + "/hidden", std::filesystem::perms::owner_all);
+  ASSERT_TRUE(found);
+  EXPECT_FALSE(holds(*found, "files"));
+}
+
 TEST(Verify, NoticesARecordThatDoesNotFollowFromItsInputs) {
   const Folder folder;
   const std::string run = keep(folder, folder / "runs", text);
