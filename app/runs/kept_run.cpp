@@ -20,6 +20,7 @@
 #include "app/embedded/embedded.h"
 #include "app/experiment/experiment_keys.h"
 #include "app/experiment/experiment_sets.h"
+#include "app/experiment/file_change.h"
 #include "app/experiment/text_file.h"
 #include "app/record/report.h"
 #include "app/run/version.h"
@@ -330,6 +331,9 @@ void remove_film(const Experiment& experiment, const std::string& film) {
 }
 
 Done add_to_kept_run(const std::string& folder, const std::vector<std::string>& files) {
+  if (const auto is_run = read_story(folder); !is_run) return tl::unexpected(is_run.error());
+  auto change = FileChange::begin(fs::path(folder) / run_files::story);  // another program may be adding files as well
+  if (!change) return tl::unexpected(change.error());
   auto story = read_story(folder);
   if (!story) return tl::unexpected(story.error());
   if (!story->contains("files") || !(*story)["files"].is_object())
@@ -340,7 +344,7 @@ Done add_to_kept_run(const std::string& folder, const std::vector<std::string>& 
     if (Done noted = note_file((*story)["files"], folder, name); !noted) return noted;
     (*story)["files"][name]["added"] = true;
   }
-  return write_file(fs::path(folder) / run_files::story, sealed(std::move(*story)));
+  return change->save(sealed(std::move(*story)));
 }
 
 Done add_if_inside(const std::string& folder, const std::string& file) {

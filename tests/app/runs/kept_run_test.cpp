@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <future>
 #include <sstream>
 
 #include "app/calibration/calibration_file.h"
@@ -74,6 +75,27 @@ TEST(KeptRun, TakesMoreFilesAndStillVerifies) {
   EXPECT_TRUE(holds(*found, "files"));
   EXPECT_FALSE(add_to_kept_run(folder, {"nothing.txt"}));
   EXPECT_FALSE(add_to_kept_run(place / "runs", {"results.txt"})) << "not the folder of a run";
+}
+
+/// Each of several programs that write into the folder at once adds its file to run.json.
+TEST(KeptRun, TakesFilesOfSeveralProgramsAtOnce) {
+  const Folder place;
+  const std::string folder = keep(place, place / "runs", text);
+  constexpr int programs = 4, files = 20;
+  const auto name = [](int program, int file) { return fmt::format("{}-{}.txt", program, file); };
+  std::vector<std::future<void>> all;
+  for (int program = 0; program < programs; ++program)
+    all.push_back(std::async(std::launch::async, [&, program] {
+      for (int file = 0; file < files; ++file) {
+        std::ofstream(folder + '/' + name(program, file)) << "settled";
+        EXPECT_TRUE(add_to_kept_run(folder, {name(program, file)}));
+      }
+    }));
+  for (std::future<void>& program : all) program.get();
+  const auto story = read_story(folder).value();
+  for (int program = 0; program < programs; ++program)
+    for (int file = 0; file < files; ++file)
+      EXPECT_TRUE(story["files"].contains(name(program, file))) << name(program, file);
 }
 
 TEST(KeptRun, HasTheFilmOfEveryCamera) {
