@@ -251,12 +251,12 @@ tl::expected<bool, std::string> CsvReader::next(TickRecord& record) {
     if (stores_[i] && !stores_[i](record, cells_[i]))
       return error(fmt::format("column {}: found \"{}\", allowed: {}", columns_[i], cells_[i],
                                columns_[i].ends_with("mode")    ? "modes joined by +"
-                               : columns_[i].ends_with("limit") ? "v, omega, wheels, joined by +"
+                               : columns_[i].ends_with("_how")  ? "detected, tracked, recovered or nothing"
                                : columns_[i].ends_with("_link") ? "a link's state"
-                               : columns_[i].ends_with("limit") ? "v, omega, wheels, joined by +"
+                               : columns_[i].ends_with("limit") ? "v, omega, wheels and link, joined by +"
                                : columns_[i] == "event"         ? "events joined by \"; \""
                                : columns_[i] == "tick"          ? "a whole number"
-                                                                : "a number or nothing"));
+                                                                : "a number from -1e9 to 1e9, or nothing"));
   for (const core::GainName gain : core::gain_names)  // an empty cell, or no column: as all pairs
     for (std::size_t i = 0; i < robots_; ++i)
       for (std::size_t j = i + 1; j < robots_; ++j)

@@ -212,12 +212,17 @@ TEST(CsvReader, SaysWhereAFileIsBroken) {
   EXPECT_EQ(read_error("a,b\n1,2\n"),
             "run.csv:1: the header row has no column t, allowed: a CSV written by `skein run --csv`");
   EXPECT_EQ(read_error("t,tick,r1_x\n1,2,3\n1,2\n"), "run.csv:3: found 2 cells, allowed: 3 as in the header row");
-  EXPECT_EQ(read_error("t,tick,r1_x\n1,2,3x\n"), "run.csv:2: column r1_x: found \"3x\", allowed: a number or nothing");
+  EXPECT_EQ(read_error("t,tick,r1_x\n1,2,3x\n"),
+            "run.csv:2: column r1_x: found \"3x\", allowed: a number from -1e9 to 1e9, or nothing");
   EXPECT_EQ(read_error("t,tick,r1_x\n1,2.5,3\n"), "run.csv:2: column tick: found \"2.5\", allowed: a whole number");
   EXPECT_EQ(read_error("t,tick,r1_x,r1_mode\n1,2,3,flying\n"),
             "run.csv:2: column r1_mode: found \"flying\", allowed: modes joined by +");
   EXPECT_EQ(read_error("t,tick,r1_x,event\n1,2,3,boo\n"),
             "run.csv:2: column event: found \"boo\", allowed: events joined by \"; \"");
+  EXPECT_EQ(read_error("t,tick,r1_x,r1_how\n1,2,3,seen\n"),
+            "run.csv:2: column r1_how: found \"seen\", allowed: detected, tracked, recovered or nothing");
+  EXPECT_EQ(read_error("t,tick,r1_x,r1_limit\n1,2,3,speed\n"),
+            "run.csv:2: column r1_limit: found \"speed\", allowed: v, omega, wheels and link, joined by +");
   EXPECT_EQ(read_error("other,t,tick,r1_x\r\nhello,1,2,3\r\n"), "") << "unknown columns and Windows line ends";
 }
 
@@ -262,9 +267,10 @@ TEST(CsvReader, HasLimits) {
   std::string header = "t,tick";
   for (int i = 1; i <= 65; ++i) header += ",r" + std::to_string(i) + "_x";
   EXPECT_EQ(read_error(header + "\n"), "run.csv:1: the header row has more than 64 robots, allowed: 1 to 64");
-  for (const char* number : {"inf", "nan", "-inf", "1e300"})
+  for (const char* number : {"inf", "nan", "-inf", "1e300", "1.1e9"})
     EXPECT_EQ(read_error(std::string("t,tick,r1_x\n1,2,") + number + "\n"),
-              std::string("run.csv:2: column r1_x: found \"") + number + "\", allowed: a number or nothing");
+              std::string("run.csv:2: column r1_x: found \"") + number +
+                  "\", allowed: a number from -1e9 to 1e9, or nothing");
 }
 
 bool same(double a, double b) {
