@@ -14,6 +14,7 @@
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
 #include "app/run/terminal_text.h"
+#include "app/run/utf8.h"
 #include "app/runs/find_run.h"
 #include "app/runs/kept_run.h"
 #include "app/runs/run_folder.h"
@@ -51,7 +52,7 @@ std::string text(const Facts& facts, const std::string& key) {
 /// A value that may be as long as a trajectory.
 std::string in_brief(const std::string& value) {
   constexpr std::size_t longest = 60;
-  return value.size() <= longest ? value : value.substr(0, longest) + "...";
+  return value.size() <= longest ? value : std::string(first_letters(value, longest)) + "...";
 }
 
 /// Runs as a table, a line each.

@@ -30,4 +30,15 @@ inline Utf8Letter first_letter(std::string_view text) noexcept {
   return {code, text.substr(0, size)};
 }
 
+/// The letters at the beginning of a text that take at most `most` bytes together.
+inline std::string_view first_letters(std::string_view text, std::size_t most) noexcept {
+  std::size_t end = 0;
+  while (end < text.size()) {
+    const std::size_t next = end + first_letter(text.substr(end)).bytes.size();
+    if (next > most) break;
+    end = next;
+  }
+  return text.substr(0, end);
+}
+
 }  // namespace skein::app

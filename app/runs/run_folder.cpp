@@ -16,6 +16,7 @@
 
 #include "app/experiment/text_file.h"
 #include "app/run/home.h"
+#include "app/run/utf8.h"
 #include "app/runs/sha256.h"
 
 namespace skein::app {
@@ -101,7 +102,7 @@ tl::expected<nlohmann::ordered_json, std::string> read_story(const std::string& 
     constexpr std::size_t longest = 200;              // it repeats the text that it does not understand
     why = error.what();
     why.erase(0, why.find("] ") + 2);
-    if (why.size() > longest) why = why.substr(0, longest) + "...";
+    if (why.size() > longest) why = std::string(first_letters(why, longest)) + "...";
   }
   return tl::unexpected(fmt::format("{}: {}, allowed: a file written by `skein run --keep`", path, why));
 }

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <utility>
 
+#include "app/run/utf8.h"
+
 namespace skein::app {
 namespace {
 
@@ -141,7 +143,8 @@ class Parser {
   }
   Result refuse(std::string_view allowed) {
     skip();
-    const std::string found = at_ < text_.size() ? fmt::format("\"{}\"", text_.substr(at_, 20)) : "the end";
+    const std::string found =
+        at_ < text_.size() ? fmt::format("\"{}\"", first_letters(text_.substr(at_), 20)) : "the end";
     return tl::unexpected(fmt::format("column {} of the condition: found {}, allowed: {}", at_ + 1, found, allowed));
   }
 

@@ -295,6 +295,26 @@ TEST_F(Mistakes, GainsAndKeptRunsAreCompleted) {
 
 /// A terminal obeys what a name contains: it must not clear the screen, hide a line or pretend to be one of the
 /// program's.
+TEST_F(Mistakes, ALongTextIsCutBetweenLettersAndNotWithinOne) {
+  const auto keep = [&](const char* id, const std::string& name) {
+    keep_run(id, "2026-11-01T12:00:00.000+01:00", 0);
+    write(std::string("runs/") + id + "/run.json", R"({"name":")" + name + "\"}");
+  };
+  std::string umlauts;
+  for (int i = 0; i < 40; ++i) umlauts += "ä";
+  keep("a", "x" + umlauts);
+  keep("b", "y" + umlauts);
+  EXPECT_EQ(shell("$skein runs compare a b --runs-dir runs"), 0) << said;
+  EXPECT_THAT(out, AllOf(HasSubstr("xäää"), HasSubstr("ä..."), Not(HasSubstr("\\x"))));
+  EXPECT_EQ(shell("$skein runs find 'name = 1 x" + umlauts + "' --runs-dir runs"), 2);
+  EXPECT_THAT(said, AllOf(HasSubstr("found \"xäää"), Not(HasSubstr("\\x"))));
+  for (const char* const before : {"", "x"}) {
+    write("runs/b/run.json", std::string("{\"name\": \"") + before + umlauts + umlauts + umlauts);
+    EXPECT_EQ(shell("$skein runs show b --runs-dir runs"), 2);
+    EXPECT_THAT(said, AllOf(HasSubstr("ä..."), Not(HasSubstr("\\x"))));
+  }
+}
+
 TEST_F(Mistakes, NoNameIsObeyedByTheTerminal) {
   const std::string in_shell = R"(ill=$(printf '\033[2J\302\2332J\342\200\256\nskein: all is well\377'); )";
   const auto good = [&](const char* where) {
