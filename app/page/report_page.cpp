@@ -91,7 +91,7 @@ class Film {
     frame.back() = ']';
     frames_.push_back(frame + ']');
     if (frames_.size() < most_frames) return;
-    for (std::size_t k = 0; 2 * k < frames_.size(); ++k) frames_[k] = std::move(frames_[2 * k]);  // every other one
+    for (std::size_t k = 1; 2 * k < frames_.size(); ++k) frames_[k] = std::move(frames_[2 * k]);  // every other one
     frames_.resize((frames_.size() + 1) / 2);
     stride_ *= 2;
     step_ *= 2.0;
