@@ -11,18 +11,20 @@ of(i) = colour[(i - 1) % 8 + 1]
 larger(a, b) = (a > b ? a : b)
 block(name, i) = sprintf("$%s_%d", name, i)
 
-# Everything that is drawn, and a twentieth around it.
-around = 0.05 * larger(x_high - x_low, y_high - y_low) + 0.01
-set xrange [x_low - around : x_high + around]
-set yrange [y_low - around : y_high + around]
+# Everything that is drawn, and a twentieth around it; of a straight path a third as much across as along, so that the
+# numbers of that axis have room.
+span = larger(x_high - x_low, y_high - y_low)
+around(low, high) = 0.05 * span + 0.01 + larger(0, span / 3.0 - (high - low)) / 2
+beside_x = around(x_low, x_high); beside_y = around(y_low, y_high)
+set xrange [x_low - beside_x : x_high + beside_x]
+set yrange [y_low - beside_y : y_high + beside_y]
 
 # One column of a journal, 88 mm, and as high as equal axes ask. In cm:
 width = 8.8
 rows = (n > 8 ? 0 : ceil((n + 1) / 3.0))  # of the legend
-beside = 1.2; beyond = 0.3; below = 1.1; above = 0.2 + 0.35 * rows
+beside = 1.6; beyond = 0.3; below = 1.1; above = 0.2 + 0.35 * rows
 plot_width = width - beside - beyond
-plot_height = plot_width * (y_high - y_low + 2 * around) / (x_high - x_low + 2 * around)
-if (plot_height > 20) { plot_width = plot_width * 20 / plot_height; plot_height = 20 }
+plot_height = plot_width * (y_high - y_low + 2 * beside_y) / (x_high - x_low + 2 * beside_x)
 height = below + plot_height + above
 set lmargin at screen beside / width
 set rmargin at screen (beside + plot_width) / width

@@ -4,9 +4,13 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <regex>
+#include <vector>
 
 #include "app/experiment/experiment_file.h"
 #include "app/record/csv_writer.h"
@@ -89,6 +93,34 @@ TEST_F(Report, DrawsAnyNumberOfRobotsWithoutPerturbations) {
     const auto n = static_cast<std::size_t>(robots);
     EXPECT_EQ(curves("figure3"), 5u * n);
     EXPECT_EQ(curves("figure4"), 3u * n + (n > 1 ? n - 1 : 1));
+  }
+}
+
+/// Of a robot that drives straight on, the paths take no room across: the numbers of that axis need some.
+TEST_F(Report, NumbersOfAStraightPathDoNotOverlap) {
+  for (const char* const to : {"[0.6, 0.0]", "[0.0, 0.6]"}) {
+    const auto drawn = draw(
+        experiment(std::string("duration = 10\nreference.kind = \"independent\"\n[[robot]]\ntrajectory = { path = { "
+                               "shape = \"line\", from = [0.0, 0.0], to = ") +
+                   to + " } }\n"));
+    ASSERT_TRUE(drawn) << drawn.error();
+    const std::string svg = test::read_file(directory / "figure3.svg");
+    const std::regex text(R"re(translate\(([0-9.]+),([0-9.]+)\)"[^>]*text-anchor="(end|middle)")re");
+    std::vector<double> numbers_of_y;
+    std::map<double, std::vector<double>> in_a_line;  // those of x, and the axes' names
+    for (std::sregex_iterator found(svg.begin(), svg.end(), text), none; found != none; ++found)
+      if ((*found)[3] == "end")
+        numbers_of_y.push_back(-std::stod((*found)[2]));
+      else
+        in_a_line[std::stod((*found)[2])].push_back(std::stod((*found)[1]));
+    const auto apart = [](const std::vector<double>& places) {
+      double least = 1e9;
+      for (std::size_t i = 1; i < places.size(); ++i) least = std::min(least, places[i] - places[i - 1]);
+      return least;
+    };
+    EXPECT_GT(numbers_of_y.size(), 1u);
+    EXPECT_GE(apart(numbers_of_y), 9.6) << to << ": the height of a letter";
+    for (const auto& [y, places] : in_a_line) EXPECT_GE(apart(places), 20.0) << to;
   }
 }
 
