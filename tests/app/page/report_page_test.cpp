@@ -88,7 +88,7 @@ TEST(ReportPage, DrawsTheFiguresOfATornRecord) {
 TEST(ReportPage, OpensInABrowser) {
   if (std::system("chromium --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "no Chromium: install chromium";
   const Folder folder;
-  std::string html = page_of(Recorded({"duration=30"}).csv).html;
+  std::string html = page_of(Recorded({"duration=30", "arena.width=6"}).csv).html;
   const auto put = [&](const std::string& before, const std::string& script) {
     html.insert(html.rfind(before), "<script>" + script + "</script>\n");
   };
@@ -97,6 +97,7 @@ TEST(ReportPage, OpensInABrowser) {
     window.addEventListener("load", () => {
       const said = document.documentElement.dataset, slider = document.getElementById("time");
       said.figures = [...document.images].map((image) => image.complete && image.naturalWidth > 100 ? "drawn" : "missing").join(" ");
+      said.number = String(document.querySelector("#floor text").getBoundingClientRect().height > 9);
       const first = document.querySelector("#floor g").getAttribute("transform");
       document.getElementById("speed").value = "16";
       document.getElementById("play").click();
@@ -128,6 +129,7 @@ TEST(ReportPage, OpensInABrowser) {
   EXPECT_EQ(said("errors"), "nothing");
   EXPECT_EQ(said("ready"), "250");
   EXPECT_EQ(said("figures"), "drawn drawn");
+  EXPECT_EQ(said("number"), "true") << "a robot's number can be read";
   EXPECT_EQ(said("moved"), "true");
   EXPECT_NE(said("jumped"), "0.0 s");
 }
