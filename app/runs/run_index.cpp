@@ -380,6 +380,8 @@ struct RunIndex::State {
   tl::expected<std::string, std::string> condition(const RunQuery::Comparison& c, std::vector<Value>& bound) {
     const auto key = resolve(c.key);
     if (!key) return tl::unexpected(key.error());
+    if (const std::string year = year_of(c.value); !year.empty() && has_times(*key))
+      return condition({c.key, c.relation, year}, bound);
     const bool is_text = std::holds_alternative<std::string>(c.value);
     // A text is no smaller or larger number: SQLite sorts all texts behind all numbers.
     const auto facts = [&](bool text) {
@@ -433,6 +435,14 @@ struct RunIndex::State {
     }
     bound.push_back(std::move(value));
     return fmt::format("(number IN (SELECT run {} AND {} {} {}))", of_this_type, left, sign, right);
+  }
+
+  /// A number that is a year, of four digits; empty: it is none.
+  static std::string year_of(const Value& value) {
+    constexpr double first = 1000.0, last = 9999.0;
+    const double* const number = std::get_if<double>(&value);
+    const bool is_year = number != nullptr && *number >= first && *number <= last && *number == std::floor(*number);
+    return is_year ? fmt::format("{}", *number) : std::string();
   }
 
   struct Time {

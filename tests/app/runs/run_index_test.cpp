@@ -87,6 +87,7 @@ TEST(RunIndex, TimesAreComparedAsTimes) {
   EXPECT_EQ(found(index, "began < 2026-11-02"), (Days{"1"}));
   EXPECT_EQ(found(index, "began > 2026-11-02"), (Days{"3", "4"}));
   EXPECT_EQ(found(index, "began = 2026-11").size(), 4u);
+  EXPECT_EQ(found(index, "began = 2026 and began > 2025").size(), 4u) << "no number, but a year";
   EXPECT_EQ(found(index, "began > '2026-11-02 11:30' and began < '2026-11-03 12:00'"), (Days{"2"}));
   EXPECT_EQ(found(index, "began > 2026-11-02T13:00"), (Days{"3", "4"}));
   EXPECT_EQ(found(index, "began >= 2026-11-03T12:00:00.000+01:00"), (Days{"3", "4"}));
