@@ -50,10 +50,12 @@ int print_plan(const SweepRequest& request, const Study& study, unsigned threads
   constexpr std::int64_t sample = 32;
   const StudyPlan plan = plan_study(study, sample, threads, [] { return !interrupted(); });
   if (interrupted()) return complain("interrupted: nothing can be said"), expectation_failed;
-  // A batch script takes words apart at blanks, and keeps quotes.
-  std::string words = words_of(request, [](const std::string& set) { return set; });
+  // The batch script takes words apart at blanks, other than within single quotes.
+  std::string words = words_of(request, [](const std::string& set) {
+    return set.find_first_of(" \t\n") == std::string::npos ? set : "'" + set + "'";
+  });
   if (!words.empty()) words.erase(0, 1);
-  print_out(as_lines(plan, study, sweep_command(request), words));
+  print_out(as_lines(plan, study, {shell_word(request.file), shell_word(words), sweep_command(request)}));
   return done;
 }
 

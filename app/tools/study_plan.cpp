@@ -77,7 +77,7 @@ StudyPlan plan_study(const Study& study, std::int64_t sample, unsigned threads,
   return plan;
 }
 
-std::string as_lines(const StudyPlan& plan, const Study& study, const std::string& command, const std::string& words) {
+std::string as_lines(const StudyPlan& plan, const Study& study, const StudyWords& words) {
   std::string text = fmt::format(
       "study: {}\nruns: {}\ndrives_per_run: {}\nsampled_runs: {}\nseconds_per_run: {:.4g}\n"
       "seconds_per_run_interval: {:.2g}\nseconds_per_run_alone: {:.4g}\nthreads: {}\ncore_hours: {:.3g}\n",
@@ -86,10 +86,10 @@ std::string as_lines(const StudyPlan& plan, const Study& study, const std::strin
   for (const int cores : {1, 16, 64})
     text += fmt::format("hours_on_{}_core{}: {:.3g}\n", cores, cores == 1 ? "" : "s", plan.core_hours() / cores);
   const std::string folder = resource_folder("slurm");
-  text += fmt::format("parts: {}\nslurm: STUDY='{}' PARTS={} WORDS='{}' sbatch --array=1-{} --export=ALL {}\n",
-                      plan.parts(), study.file, plan.parts(), words, plan.parts(),
+  text += fmt::format("parts: {}\nslurm: STUDY={} PARTS={} WORDS={} sbatch --array=1-{} --export=ALL {}\n",
+                      plan.parts(), words.file, plan.parts(), words.options, plan.parts(),
                       folder.empty() ? "sweep.sbatch" : (std::filesystem::path(folder) / "sweep.sbatch").string());
-  return text + fmt::format("merge: {} --merge parts\n", command);
+  return text + fmt::format("merge: {} --merge parts\n", words.command);
 }
 
 }  // namespace skein::app

@@ -30,8 +30,14 @@ struct StudyPlan {
 StudyPlan plan_study(const Study& study, std::int64_t sample, unsigned threads,
                      const std::function<bool()>& keep_going);
 
-/// As `key: value` lines: hours on 1, 16 and 64 cores like this one, and the commands for Slurm and --merge. `command`
-/// is the `skein sweep` of the study with its options; `words` are these options alone.
-std::string as_lines(const StudyPlan& plan, const Study& study, const std::string& command, const std::string& words);
+/// How a study is named in a shell.
+struct StudyWords {
+  std::string file;     ///< one word of the shell
+  std::string options;  ///< those that make the study another one, as one word of the shell
+  std::string command;  ///< `skein sweep` of the study with these options
+};
+
+/// As `key: value` lines: hours on 1, 16 and 64 cores like this one, and the commands for Slurm and --merge.
+std::string as_lines(const StudyPlan& plan, const Study& study, const StudyWords& words);
 
 }  // namespace skein::app

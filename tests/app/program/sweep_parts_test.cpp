@@ -160,6 +160,17 @@ TEST_F(Parts, APlanSaysWhatAMillionRunsCostAndHowTheyAreStarted) {
             "PATH=$PWD:$PATH sh -c \"$(sed -n 's/^slurm: //p' small.txt)\" && test -s parts/part-1-of-1.csv"),
       0)
       << read("small.txt");
+  // Also of a study and of values with blanks and quotes.
+  EXPECT_EQ(
+      shell("mv study.toml \"a student's study.toml\"; rm -r parts; " + skein::test::program() +
+            " sweep \"a student's study.toml\" --plan --runs 4 --set 'obstacle=[{x = 0.7, y = 0.5, radius = 0.05}]' "
+            "--set 'name=\"x\"' > small.txt && PATH=$PWD:$PATH sh -c \"$(sed -n 's/^slurm: //p' small.txt)\" && "
+            "sh -c \"PATH=" +
+            std::filesystem::path(skein::test::program()).parent_path().string() +
+            ":$PATH; $(sed -n 's/^merge: //p' small.txt)\" > merged.txt"),
+      0)
+      << read("small.txt");
+  EXPECT_THAT(read("merged.txt"), HasSubstr("\nruns: 4\n"));
 }
 
 }  // namespace
