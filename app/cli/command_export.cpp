@@ -7,6 +7,7 @@
 #include "app/cli/command_line_runs.h"
 #include "app/cli/same_file.h"
 #include "app/run/exit_status.h"
+#include "app/run/interrupted.h"
 #include "app/run/output.h"
 #include "app/run/terminal_text.h"
 #include "app/runs/find_run.h"
@@ -36,6 +37,7 @@ int export_file(const ExportRequest& request) {
   }
   const auto exported = export_run(csv, record->csv, out, request.options);
   if (!exported) {
+    if (interrupted()) end_by_interrupts();
     complain(exported.error());
     return wrong_input;
   }

@@ -116,8 +116,7 @@ void RunCommands::add_to(CLI::App& program) {
 }
 
 bool RunCommands::may_be_ended() const {
-  for (const CLI::App* const command :
-       {export_, export_kept_, report_, identify_, list_, show_, find_, compare_, verify_})
+  for (const CLI::App* const command : {report_, identify_, list_, show_, find_, compare_, verify_})
     if (*command) return true;
   return false;
 }

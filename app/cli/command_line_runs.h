@@ -37,8 +37,8 @@ CLI::Option* add_runs_directory(CLI::App& command, std::string& directory);
 class RunCommands {
  public:
   void add_to(CLI::App& program);
-  /// Whether one of these commands was given that may be ended at any time: all but the one that removes. After
-  /// parsing.
+  /// Whether one of these commands was given that may be ended at any time: all but the one that removes, and export,
+  /// whose draft is as large as what it writes. After parsing.
   bool may_be_ended() const;
   /// Executes the given command and returns its ExitStatus; none: another command was given.
   std::optional<int> run();

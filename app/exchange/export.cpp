@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "app/exchange/run_exporter.h"
+#include "app/run/interrupted.h"
 
 namespace skein::app {
 namespace {
@@ -65,6 +66,7 @@ tl::expected<Exported, std::string> export_run(std::istream& csv, const std::str
   if (!reader) return tl::unexpected(reader.error());
   auto disk = DiskWriter::open(to, options.rules);
   if (!disk) return tl::unexpected(disk.error());
+  const auto stopped = tl::unexpected(to + ": is not written: interrupted");  // nor does its draft stay
   const auto out = exporter(*reader, options);
   Exported result;
   TickRecord row;
@@ -73,13 +75,16 @@ tl::expected<Exported, std::string> export_run(std::istream& csv, const std::str
       const auto more = reader->next(row);
       if (!more) return tl::unexpected(more.error());
       if (!*more) break;
+      if (interrupted()) return stopped;
       out->row(row);
       ++result.rows;
       if (!disk->write(out->take())) return tl::unexpected(disk->failure());
     }
     out->finish();
-    for (std::string piece = out->take(); !piece.empty(); piece = out->take())
+    for (std::string piece = out->take(); !piece.empty(); piece = out->take()) {
+      if (interrupted()) return stopped;
       if (!disk->write(piece)) return tl::unexpected(disk->failure());
+    }
   } catch (const std::exception& error) {
     return tl::unexpected(fmt::format("{}: cannot be written: {}", to, error.what()));
   }

@@ -17,7 +17,8 @@ struct Exported {
 };
 
 /// Converts the CSV of a run to the format `to`. `file` is the stream's name in messages. The error names file, line
-/// and column of invalid input, or why the other file cannot be written; then no file remains.
+/// and column of invalid input, or why the other file cannot be written, or that the program was interrupted; then no
+/// file remains.
 tl::expected<Exported, std::string> export_run(std::istream& csv, const std::string& file, const std::string& to,
                                                const ExportOptions& options);
 

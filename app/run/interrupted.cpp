@@ -11,13 +11,14 @@
 namespace skein::app {
 namespace {
 
-std::atomic<bool> interrupted_flag{false};
+std::atomic<int> came{0};  // the first of the signals; 0: none
 
 /// The end of the terminal and whatever else would end the program without a word is SIGTERM.
 constexpr std::array endings{SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGPROF, SIGXCPU, SIGPOLL};
 
-void on_signal(int) {
-  interrupted_flag.store(true);
+void on_signal(int signal) {
+  int none = 0;
+  came.compare_exchange_strong(none, signal);
 }
 
 }  // namespace
@@ -37,7 +38,7 @@ void catch_interrupts() noexcept {
 
 void end_by_interrupts() noexcept {
   for (const int signal : endings) std::signal(signal, SIG_DFL);
-  if (interrupted()) std::raise(SIGTERM);  // it has come already
+  if (const int signal = came.load(); signal != 0) std::raise(signal);  // it has come already
 }
 
 bool interrupt_when_closed(int pipe) noexcept {
@@ -52,11 +53,11 @@ bool interrupt_when_closed(int pipe) noexcept {
 }
 
 void interrupt() noexcept {
-  interrupted_flag.store(true);
+  on_signal(SIGTERM);
 }
 
 bool interrupted() noexcept {
-  return interrupted_flag.load();
+  return came.load() != 0;
 }
 
 }  // namespace skein::app

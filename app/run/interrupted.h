@@ -8,7 +8,7 @@ namespace skein::app {
 void catch_interrupts() noexcept;
 
 /// For a command that drives no robots, and of which no more than a draft is left, which the next one replaces: such
-/// signals end it at once, as they end any program. After `catch_interrupts`.
+/// signals end it at once, as they end any program; so does one that has come already. After `catch_interrupts`.
 void end_by_interrupts() noexcept;
 
 /// Acts as if such a signal had come when the other end of this pipe is closed: the program that started this one has

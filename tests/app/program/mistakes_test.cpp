@@ -746,6 +746,23 @@ TEST_F(Mistakes, APageThatIsInterruptedLeavesNothing) {
 }
 
 /// The newest run was not found where the clock is before 1970.
+TEST_F(Mistakes, AnExportThatIsInterruptedLeavesNothing) {
+  EXPECT_EQ(
+      shell("$skein run e.toml --set duration=1 --csv run.csv --quiet && tail -n 1 run.csv > row && "
+            "for i in 1 2 3 4 5 6 7 8 9 10 11 12 13; do cat row row > rows && mv rows row; done && cat row >> run.csv"),
+      0)
+      << said;
+  for (const int signal : {SIGINT, SIGTERM}) {
+    // Rows enough to be interrupted in: as soon as the draft is there.
+    const int status = shell(
+        "$skein export run.csv --to csv --out x.csv & while ! [ -e x.csv.part ] && kill -0 $!; do :; done; kill -" +
+        std::to_string(signal) + " $!; wait $!");
+    EXPECT_EQ(status, 128 + signal) << said;
+    EXPECT_FALSE(exists("x.csv"));
+    EXPECT_FALSE(exists("x.csv.part"));
+  }
+}
+
 TEST_F(Mistakes, AClockThatIsWrongIsNamed) {
 #ifdef __SANITIZE_ADDRESS__
   GTEST_SKIP() << "the sanitizer lets no library be loaded before its own";
