@@ -49,10 +49,19 @@ std::string text(const Facts& facts, const std::string& key) {
   return found == facts.end() ? "" : text(found->second);
 }
 
-/// A value that may be as long as a trajectory.
-std::string in_brief(const std::string& value) {
+/// A value that may be as long as a trajectory, from its letter `from` on.
+std::string in_brief(const std::string& value, std::size_t from) {
   constexpr std::size_t longest = 60;
-  return value.size() <= longest ? value : std::string(first_letters(value, longest)) + "...";
+  const std::string_view rest = std::string_view(value).substr(std::min(from, value.size()));
+  const std::string_view shown = first_letters(rest, longest);
+  return fmt::format("{}{}{}", from > 0 ? "..." : "", shown, shown.size() < rest.size() ? "..." : "");
+}
+
+/// From where on two values are to be shown, so that their difference is seen.
+std::size_t before_difference(const std::string& a, const std::string& b) {
+  constexpr std::size_t seen = 40, before = 20;  // bytes that are the same
+  const auto same = static_cast<std::size_t>(std::mismatch(a.begin(), a.end(), b.begin(), b.end()).first - a.begin());
+  return same <= seen ? 0 : first_letters(a, same - before).size();
 }
 
 /// Runs as a table, a line each.
@@ -223,7 +232,8 @@ int compare_runs(const RunsRequest& request) {
       ++same;
       continue;
     }
-    rows.push_back({key, in_brief(left), in_brief(right)});
+    const std::size_t from = before_difference(left, right);
+    rows.push_back({key, in_brief(left, from), in_brief(right, from)});
     all[key] = {a->contains(key) ? json(a->at(key)) : Json(), b->contains(key) ? json(b->at(key)) : Json()};
   }
   if (request.json) {

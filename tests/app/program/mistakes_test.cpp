@@ -308,6 +308,10 @@ TEST_F(Mistakes, ALongTextIsCutBetweenLettersAndNotWithinOne) {
   EXPECT_THAT(out, AllOf(HasSubstr("xäää"), HasSubstr("ä..."), Not(HasSubstr("\\x"))));
   EXPECT_EQ(shell("$skein runs find 'name = 1 x" + umlauts + "' --runs-dir runs"), 2);
   EXPECT_THAT(said, AllOf(HasSubstr("found \"xäää"), Not(HasSubstr("\\x"))));
+  keep("a", umlauts + umlauts + "a");
+  keep("b", umlauts + umlauts + "b");
+  EXPECT_EQ(shell("$skein runs compare a b --runs-dir runs"), 0) << said;
+  EXPECT_THAT(out, AllOf(HasSubstr("name  ...ä"), HasSubstr("äa"), HasSubstr("äb"), Not(HasSubstr("\\x"))));
   for (const char* const before : {"", "x"}) {
     write("runs/b/run.json", std::string("{\"name\": \"") + before + umlauts + umlauts + umlauts);
     EXPECT_EQ(shell("$skein runs show b --runs-dir runs"), 2);
