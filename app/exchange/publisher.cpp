@@ -87,11 +87,15 @@ tl::expected<std::unique_ptr<Publisher>, std::string> Publisher::open(const std:
   if (const int failed = ::getaddrinfo(address.host.c_str(), address.port.c_str(), &hints, &found); failed != 0)
     return tl::unexpected(fmt::format("--publish {}: {}", where, ::gai_strerror(failed)));
   int descriptor = -1;
-  for (const addrinfo* one = found; one && descriptor < 0; one = one->ai_next) {
-    descriptor = ::socket(one->ai_family, one->ai_socktype | SOCK_CLOEXEC, one->ai_protocol);
-    if (descriptor >= 0 && ::connect(descriptor, one->ai_addr, one->ai_addrlen) != 0)
-      ::close(std::exchange(descriptor, -1));
-  }
+  // Of a name that has addresses of both protocols, such as localhost, an IPv4 one: that reaches also who listens to
+  // both.
+  for (const bool of_ipv4 : {true, false})
+    for (const addrinfo* one = found; one && descriptor < 0; one = one->ai_next) {
+      if ((one->ai_family == AF_INET) != of_ipv4) continue;
+      descriptor = ::socket(one->ai_family, one->ai_socktype | SOCK_CLOEXEC, one->ai_protocol);
+      if (descriptor >= 0 && ::connect(descriptor, one->ai_addr, one->ai_addrlen) != 0)
+        ::close(std::exchange(descriptor, -1));
+    }
   const int error = errno;
   ::freeaddrinfo(found);
   if (descriptor < 0) return tl::unexpected(fmt::format("--publish {}: {}", where, std::strerror(error)));

@@ -1,6 +1,8 @@
 // Mistakes of a command line and of a study: each is refused before any work is done, with a sentence.
+#include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <signal.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -750,6 +752,27 @@ TEST_F(Mistakes, APageThatIsInterruptedLeavesNothing) {
 }
 
 /// The newest run was not found where the clock is before 1970.
+TEST_F(Mistakes, RowsArriveAtAnIPv4ReceiverThoughLocalhostHasBothProtocols) {
+  write("hosts", "127.0.0.1 localhost\n::1 localhost\n");
+  const std::string with_hosts = "unshare -rm sh -c 'mount --bind hosts /etc/hosts && exec \"$@\"' sh ";
+  if (!std::filesystem::exists("/proc/net/if_inet6") || shell(with_hosts + "true") != 0)
+    GTEST_SKIP() << "no IPv6, or no namespace in which /etc/hosts is another one";
+  const int receiver = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  sockaddr_in here{};
+  here.sin_family = AF_INET;
+  here.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof here;
+  ASSERT_EQ(::bind(receiver, reinterpret_cast<sockaddr*>(&here), size), 0);
+  ASSERT_EQ(::getsockname(receiver, reinterpret_cast<sockaddr*>(&here), &size), 0);
+  EXPECT_EQ(shell(with_hosts + "$skein run e.toml --set duration=1 --speed max --quiet --publish udp:localhost:" +
+                  std::to_string(ntohs(here.sin_port))),
+            0)
+      << said;
+  char one = 0;
+  EXPECT_EQ(::recv(receiver, &one, 1, MSG_DONTWAIT), 1);
+  ::close(receiver);
+}
+
 TEST_F(Mistakes, AnExportThatIsInterruptedLeavesNothing) {
   EXPECT_EQ(
       shell("$skein run e.toml --set duration=1 --csv run.csv --quiet && tail -n 1 run.csv > row && "
