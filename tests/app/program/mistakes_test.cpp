@@ -773,6 +773,18 @@ TEST_F(Mistakes, RowsArriveAtAnIPv4ReceiverThoughLocalhostHasBothProtocols) {
   ::close(receiver);
 }
 
+/// As docs/robots.md has it, in the folder of the file of robots.
+TEST_F(Mistakes, TheRecommendedMinuteIsRunWithTheFileOfRobots) {
+  const std::string document = skein::test::read_file(skein::test::in_source("docs/robots.md"));
+  const std::regex line("\n    (skein run identify --set robots_file=.*) \\.\\.\\. --csv run.csv  .*\n");
+  std::smatch command;
+  ASSERT_TRUE(std::regex_search(document, command, line));
+  write("robots.toml", "[[robot]]\nname = \"anna\"\nlink = \"serial:/dev/nowhere\"\nmodel = \"epuck2\"\ntag = 1\n");
+  EXPECT_EQ(shell("$" + command[1].str() + " --csv run.csv"), 2);
+  EXPECT_THAT(said, AllOf(HasSubstr("camera.source: found \"none\""), HasSubstr("serial:/dev/nowhere")))
+      << "all that is missing is the lab's camera";
+}
+
 TEST_F(Mistakes, AnExportThatIsInterruptedLeavesNothing) {
   EXPECT_EQ(
       shell("$skein run e.toml --set duration=1 --csv run.csv --quiet && tail -n 1 run.csv > row && "
