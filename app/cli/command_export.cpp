@@ -46,7 +46,7 @@ int export_file(const ExportRequest& request) {
     return wrong_input;
   }
   if (exported->torn) complain(*exported->torn);
-  print_out(fmt::format("file: {}\nrows: {}\n", shown(out), exported->rows));
+  if (!is_stdout(out)) print_out(fmt::format("file: {}\nrows: {}\n", shown(out), exported->rows));
   return done;
 }
 

@@ -38,7 +38,7 @@ int write_page(const PageRequest& request) {
   disk->publish();
   if (const auto written = disk->finish(patience); !written) return refused(written.error());
   if (const auto added = add_if_inside(record->folder, out); !added) return refused(added.error());
-  print_out(fmt::format("file: {}\n", shown(out)));
+  if (!is_stdout(out)) print_out(fmt::format("file: {}\n", shown(out)));
   return done;
 }
 

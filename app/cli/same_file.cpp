@@ -1,5 +1,8 @@
 #include "app/cli/same_file.h"
 
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <filesystem>
 
 #include "vision/sources/open_source.h"
@@ -17,6 +20,13 @@ bool same_place(const std::string& a, const std::string& b) {
     return std::filesystem::weakly_canonical(std::filesystem::absolute(path), ignored);
   };
   return !a.empty() && !b.empty() && (same_file(a, b) || plain(a) == plain(b));
+}
+
+bool is_stdout(const std::string& path) {
+  struct stat file {
+  }, out{};
+  return ::stat(path.c_str(), &file) == 0 && ::fstat(STDOUT_FILENO, &out) == 0 && file.st_dev == out.st_dev &&
+         file.st_ino == out.st_ino;
 }
 
 bool belongs_to_source(const std::string& path, const std::string& source) {

@@ -785,6 +785,15 @@ TEST_F(Mistakes, TheRecommendedMinuteIsRunWithTheFileOfRobots) {
       << "all that is missing is the lab's camera";
 }
 
+TEST_F(Mistakes, WhatIsWrittenToStdoutStandsThereAlone) {
+  EXPECT_EQ(shell("$skein run e.toml --set duration=1 --csv run.csv --quiet && $skein export run.csv --to csv && "
+                  "$skein export run.csv --to csv --out /dev/stdout | cmp - run.plain.csv"),
+            0)
+      << said << out;
+  EXPECT_EQ(shell("$skein report run.csv --out /dev/stdout | tail -n 1"), 0) << said;
+  EXPECT_EQ(out, "</html>\n");
+}
+
 TEST_F(Mistakes, AnExportThatIsInterruptedLeavesNothing) {
   EXPECT_EQ(
       shell("$skein run e.toml --set duration=1 --csv run.csv --quiet && tail -n 1 run.csv > row && "
