@@ -190,6 +190,7 @@ TEST_F(Supervised, AHangUpReconnectsAndTheRobotStaysStopped) {
   // The system tells of a hang-up: no time-out is waited for, and none may stop the other robot on a busy machine.
   LinkOptions options = patient;
   options.blind_distance = 0.0;
+  options.stop_repeat = options.reply_timeout;
   options.reconnect_first = 0.02;
   start(2, options);
   for (std::size_t robot = 0; robot < 2; ++robot) links->command(robot, 100, 100);
