@@ -94,6 +94,7 @@ void ControlLoop::cycle(double now, int elapsed) {
   heed_camera(record);
   for (std::size_t i = 0; i < wheels_.size(); ++i) wheels_[i] = record.robots[i].wheels;
   plant_.act(wheels_);
+  if (clock_.wall() && record.phase == Phase::finished && phase() != Phase::finished) plant_.halt();
 
   out_ = record;
   plant_.fill_links(out_.robots);

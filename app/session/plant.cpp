@@ -193,6 +193,13 @@ void Plant::hush(std::size_t robot, double seconds) {
   if (links_ && link != linked_.end()) links_->hush(static_cast<std::size_t>(link - linked_.begin()), seconds);
 }
 
+void Plant::halt() noexcept {
+  if (!links_ || links_->stopped()) return;
+  links_->emergency_stop();
+  links_->release_stop();
+  if (stopped_.load(std::memory_order_acquire)) links_->emergency_stop();  // a STOP that came in between
+}
+
 void Plant::stop() noexcept {
   stopped_.store(true, std::memory_order_release);
   if (links_) links_->emergency_stop();

@@ -59,6 +59,9 @@ class Plant {
   void fill_links(std::vector<RobotRecord>& robots) const noexcept {
     if (watch_) watch_->fill(robots);
   }
+  /// The run is over, and robots may still be driven back to their starts: every link stops its robot until it
+  /// acknowledges, or until the next command. Control thread only.
+  void halt() noexcept;
   /// Stops everything at once and for good. Any thread.
   void stop() noexcept;
 

@@ -153,6 +153,24 @@ TEST_F(Display, ARobotWhoseStopNobodyAcknowledgedMayBeDriving) {
   end_emulator();
 }
 
+TEST_F(Display, ARobotThatIsOutOfReachAsTheRunEndsByItselfMayBeDriving) {
+  start_emulator();
+  app::Experiment brief = linked();
+  brief.duration = 1.0;  // it is over before the link counts as lost
+  open_and_wait(brief);
+  ASSERT_TRUE(eventually([&] { return robot_cell(0, RobotsModel::link) == QStringLiteral("up"); }));
+  ASSERT_TRUE(const_cast<LiveRun&>(live()).start());  // the check list would ask for a tag
+  ASSERT_TRUE(eventually([&] { return running(); }));
+  ASSERT_EQ(::kill(static_cast<pid_t>(emulator.processId()), SIGSTOP), 0);
+  ASSERT_TRUE(eventually([&] { return live().phase() == app::Phase::finished; }));
+  EXPECT_TRUE(eventually([&] { return arena().scene().banner.contains(QStringLiteral("MAY BE DRIVING")); }))
+      << arena().scene().banner.toStdString();
+  ASSERT_EQ(::kill(static_cast<pid_t>(emulator.processId()), SIGCONT), 0);
+  EXPECT_TRUE(eventually([&] { return arena().scene().banner.contains(QStringLiteral("Finished")); }))
+      << "it has acknowledged: " << arena().scene().banner.toStdString();
+  end_emulator();
+}
+
 TEST_F(Display, RobotsThatAreSwitchedOffAfterTheirStopRaiseNoAlarm) {
   const auto says = [&](const QString& text) { return arena().scene().banner.contains(text); };
   const auto both_are = [&](const QString& link) {

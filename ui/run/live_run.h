@@ -172,6 +172,10 @@ class LiveRun final : public RunSource {
   app::Phase how_it_ends() const { return is_over() ? phase() : app::Phase::stopped; }
   bool is_opening() const { return session_ ? !latest_ : is_busy(); }
   bool has_failed() const { return !session_ && !is_busy(); }
+  /// It ended by itself so long ago [ms].
+  bool is_finished_for(int ms) const {
+    return phase() == app::Phase::finished && since_over_.isValid() && since_over_.hasExpired(ms);
+  }
   bool is_over() const { return phase() == app::Phase::stopped || phase() == app::Phase::finished; }
   QString stopped_text() const;
   QString acknowledgements() const;

@@ -142,7 +142,7 @@ Notice LiveRun::lasting_alert() const {
 std::vector<std::size_t> LiveRun::may_be_driving() const {
   std::vector<std::size_t> robots;
   if (!latest_) return robots;
-  const bool all_stop = phase() == app::Phase::stopped;
+  const bool all_stop = phase() == app::Phase::stopped || is_finished_for(1000);
   const auto& specs = experiment_.robots;
   for (std::size_t i = 0; i < specs.size() && i < robots_.size() && i < latest_->robots.size(); ++i) {
     if (!specs[i].has_link() || robots_[i].stop_acknowledged) continue;

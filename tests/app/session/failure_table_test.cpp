@@ -598,6 +598,19 @@ TEST(FailureTable, AllStopWhenALinkIsLostUnlessTheFileSaysOtherwise) {
   EXPECT_TRUE(run.heard("stop"));
 }
 
+/// The window keeps the session open: who is out of reach as the run ends would drive on, and nobody would know.
+TEST(FailureTable, ARunThatEndsByItselfStopsEveryRobotUntilItAcknowledges) {
+  std::vector<std::string> brief = loopback;
+  brief.insert(brief.end(), {"duration=1", "perturb=[]", "failure.link_bridge=10"});
+  Watched run(others_go_on(brief), {{.kind = comms::FaultKind::burst, .robot = 1, .at = 0.6, .duration = 4.0}});
+  EXPECT_TRUE(run.session->start());
+  ASSERT_TRUE(eventually([&] { return run.look().phase == Phase::finished; }));
+  ASSERT_TRUE(eventually([&] { return run.session->robots()[0].stop_acknowledged; }))
+      << "it stands, and is not known to";
+  ASSERT_TRUE(eventually([&] { return run.session->robots()[1].stop_acknowledged; })) << "it is back in reach";
+  EXPECT_EQ(run.look().phase, Phase::finished);
+}
+
 TEST(Session, TellsWhoTheRobotsAreAndHowTheirLinksDo) {
   Watched run(others_go_on(loopback), {});
   EXPECT_TRUE(run.session->start());
