@@ -8,9 +8,8 @@
 namespace skein::vision {
 
 /// Allocates what is as large as a picture in pages of 2 MB where the system has them (Linux: transparent huge pages).
-/// Looks at a picture are scattered over it, and every row is in a page of its own or two: in pages of 4 kB, where
-/// other work comes between two frames, finding the pages takes longer than reading them (`skein-bench vision`,
-/// "cold").
+/// The tracker's looks are scattered over a picture, every row of which is in a page of its own or two: in pages of 4
+/// kB it has to find some hundred pages anew where other work came between two frames (`skein-bench vision`, "cold").
 template <class T>
 struct LargePages {
   using value_type = T;
