@@ -205,10 +205,10 @@ TEST(CameraPixels, AreTakenFromPaddedRows) {
   const std::vector<std::uint8_t> yuyv = {1, 128, 2, 128, 99, 99, 3, 128, 4, 128};
   ASSERT_TRUE(grey_from_yuyv(yuyv, 6, frame));
   EXPECT_EQ(frame.grey, (Frame::Grey{1, 2, 3, 4}));
-  EXPECT_TRUE(grey_from_grey(Frame::Grey{5, 6, 7, 8}, 0, frame));
+  EXPECT_TRUE(grey_from_grey(std::vector<std::uint8_t>{5, 6, 7, 8}, 0, frame));
   EXPECT_EQ(frame.grey, (Frame::Grey{5, 6, 7, 8}));
-  EXPECT_FALSE(grey_from_grey(Frame::Grey{5, 6, 7}, 0, frame)) << "a frame cut short on the bus";
-  EXPECT_FALSE(grey_from_yuyv(Frame::Grey{5, 6, 7, 8}, 0, frame));
+  EXPECT_FALSE(grey_from_grey(std::vector<std::uint8_t>{5, 6, 7}, 0, frame)) << "a frame cut short on the bus";
+  EXPECT_FALSE(grey_from_yuyv(std::vector<std::uint8_t>{5, 6, 7, 8}, 0, frame));
 }
 
 Frame blank(int width, int height) {
