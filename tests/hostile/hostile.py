@@ -247,8 +247,9 @@ def both_frozen(lab):
 def processor_limit(lab):
     robots = lab.emulate()
     run = lab.run(robots)
+    limited = time.monotonic()
     resource.prlimit(run.pid, resource.RLIMIT_CPU, (0, 0))
-    since = ended_by_the_kernel(run)  # at one of its next ticks
+    since = ended_by_the_kernel(run, limited)  # at one of its next ticks
     if run.wait() != -signal.SIGKILL:
         raise Failed(f"the run ended by itself: {run.returncode} {lab.last_words()}")
     stands(robots)
