@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "app/session/experiment_cameras.h"
+#include "app/session/picture_copy.h"
 
 namespace skein::app {
 
@@ -101,8 +102,9 @@ UnseenTag CameraFindings::unseen_tag(const vision::Frame& frame, const vision::T
   if (tag.size > 0.0) unseen.size = tag.size;
   const vision::Frame crop = vision::picture_of(frame, tag);
   if (crop.width == 0) return unseen;
-  unseen.picture =
-      std::make_shared<const Picture>(Picture{crop.width, crop.height, {crop.grey.begin(), crop.grey.end()}});
+  auto picture = std::make_shared<Picture>();
+  copy_pixels(crop, *picture);
+  unseen.picture = std::move(picture);
   if (crops_)
     unseen.file = crops_->add({robot_of(tag.tag), crop_file(tag.tag, number_, experiment_.cameras()),
                                prefix_ + unseen.sentence, unseen.picture});

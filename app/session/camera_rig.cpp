@@ -16,6 +16,7 @@
 #include "app/run/timing.h"
 #include "app/session/camera_film.h"
 #include "app/session/experiment_cameras.h"
+#include "app/session/picture_copy.h"
 #include "vision/sources/open_source.h"
 
 namespace skein::app {
@@ -356,10 +357,7 @@ void CameraRig::work_off() {
   watch_source();
   film_frame(note_of(elsewhere_));
   if (!pictures_) return;
-  Picture& picture = picture_.draft();
-  picture.width = frame_.width;
-  picture.height = frame_.height;
-  picture.grey.assign(frame_.grey.begin(), frame_.grey.end());
+  copy_pixels(frame_, picture_.draft());
   picture_.publish();
 }
 

@@ -6,6 +6,7 @@
 #include <tuple>
 #include <utility>
 
+#include "app/session/picture_copy.h"
 #include "vision/frames/frame.h"
 #include "vision/recording/picture_file.h"
 
@@ -17,8 +18,7 @@ std::string crop_file(int tag, std::size_t camera, std::size_t cameras) {
 
 tl::expected<void, std::string> write_crop(const TagCrop& crop, const std::string& folder) {
   vision::Frame frame;
-  frame.resize(crop.picture->width, crop.picture->height);
-  frame.grey.assign(crop.picture->grey.begin(), crop.picture->grey.end());
+  copy_pixels(*crop.picture, frame);
   return vision::write_png(frame, folder + '/' + crop.file);
 }
 

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "app/calibration/calibration_file.h"
+#include "app/session/picture_copy.h"
 #include "app/tools/board_views.h"
 #include "app/tools/camera_words.h"
 #include "vision/calibrate/intrinsics.h"
@@ -56,9 +57,7 @@ struct CameraCalibration::Work {
       const auto found = seen.add(frame);
       if (!found) return end(found.error());
       const std::lock_guard lock(mutex);
-      newest.width = frame.width;
-      newest.height = frame.height;
-      newest.grey.assign(frame.grey.begin(), frame.grey.end());
+      copy_pixels(frame, newest);
       fresh = true;
       width = seen.coverage()->width;
       height = seen.coverage()->height;

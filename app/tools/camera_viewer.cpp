@@ -16,6 +16,7 @@
 
 #include "app/calibration/calibration_file.h"
 #include "app/session/experiment_cameras.h"
+#include "app/session/picture_copy.h"
 #include "app/tools/aside.h"
 #include "app/tools/camera_words.h"
 #include "core/math/elementary.h"
@@ -252,9 +253,7 @@ struct CameraViewer::Work {
 
   void show(const vision::Frame& frame, std::vector<WatchedTag> tags, bool stills) {
     const std::lock_guard lock(mutex);
-    newest.picture.width = frame.width;
-    newest.picture.height = frame.height;
-    newest.picture.grey.assign(frame.grey.begin(), frame.grey.end());
+    copy_pixels(frame, newest.picture);
     newest.tags = std::move(tags);
     newest.rate = stills ? none : rate.value();
     fresh = true;
@@ -275,8 +274,7 @@ struct CameraViewer::Work {
       lock.unlock();
       if (!set.empty() && settable) apply(set);
       if (picture) {
-        frame.resize(picture->width, picture->height);
-        frame.grey.assign(picture->grey.begin(), picture->grey.end());
+        copy_pixels(*picture, frame);
         frame.captured_at = now();
         frame.index = frames++;
         take(frame, false);
