@@ -436,7 +436,7 @@ TEST_F(OverTcp, NobodyListeningIsASentence) {
     port = gone.port();
   }
   LinkSupervisor lonely({{LinkKind::tcp, "127.0.0.1", port}}, {.reconnect_first = 0.02, .close_timeout = 0.1});
-  const auto started = lonely.start(0.3);
+  const auto started = lonely.start(2.0);
   ASSERT_FALSE(started);
   EXPECT_NE(started.error().find("selector at 15"), std::string::npos) << started.error();
 }
