@@ -6,6 +6,7 @@
 #include <QLabel>
 #include <QSettings>
 #include <QToolTip>
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <tuple>
@@ -554,6 +555,26 @@ TEST(ArenaCrowd, LegendLeavesTheScaleReadableWhereBothHaveNoRoomSideBySide) {
   const QImage without = shown(app::tracking), with = shown(app::stopped);
   EXPECT_NE(without, with);
   EXPECT_EQ(without.copy(scale), with.copy(scale));
+}
+
+/// Where the check list takes the arena's room, the floor is small: a long scale would hide what stands there.
+TEST(ArenaScale, TakesAtMostAThirdOfTheFloor) {
+  ArenaView view;
+  view.show_experiment(app::paper_experiment());
+  for (const QSize size : {QSize(250, 130), QSize(560, 180), QSize(560, 430), QSize(1600, 900)}) {
+    view.resize(size);
+    const QImage picture = view.grab().toImage();
+    const QPoint corner = view.map().to_screen({-1.0, -0.75}).toPoint();
+    const int floor = view.map().to_screen({1.0, -0.75}).toPoint().x() - corner.x();
+    int longest = 0;
+    for (int y = corner.y() - 30, run = 0; y < corner.y() - 8; ++y, run = 0)
+      for (int x = corner.x() + 8; x < corner.x() + floor - 8; ++x) {
+        run = picture.pixelColor(x, y).lightness() < 90 ? run + 1 : 0;
+        longest = std::max(longest, run);
+      }
+    EXPECT_LE(longest, floor / 3 + 2) << size.width() << " x " << size.height();
+    EXPECT_GE(longest, floor / 12) << size.width() << " x " << size.height() << ": the control: it is there";
+  }
 }
 
 /// How the robots of a crowd are, and whether their couplings are drawn.

@@ -111,19 +111,21 @@ void ArenaPainter::keyboard(const QRectF& widget) {
 
 void ArenaPainter::scale_bar(const QRectF& widget) {
   const double scale = map_.scale_at({0, 0});
-  double metres = 0.01;  // 1, 2, 5, 10 ...: the longest that stays under 120 px
+  const QRectF inside = map_.sheet() & widget;                 // in the corner of what is shown, clear of the bounds
+  const double longest = std::min(120.0, inside.width() / 3);  // [px]: more would hide a small floor
+  double metres = 0.01;                                        // 1, 2, 5, 10 ...
   for (const double step : {0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0})
-    if (step * scale < 120) metres = step;
+    if (step * scale < longest) metres = step;
   const QString text = metres < 1 ? tr("%1 cm").arg(metres * 100) : tr("%1 m").arg(metres);
   const QFontMetricsF metrics(p_.font());
   const double length = metres * scale;
-  const QRectF inside = map_.sheet() & widget;  // in the corner of what is shown, clear of the bounds
-  const QRectF card(inside.left() + 10, inside.bottom() - metrics.height() - 24, length + 16, metrics.height() + 14);
+  const double width = std::max(length, metrics.horizontalAdvance(text)) + 16;
+  const QRectF card(inside.left() + 10, inside.bottom() - metrics.height() - 24, width, metrics.height() + 14);
   scale_ = card;
   p_.setPen(Qt::NoPen);
   p_.setBrush(faded(c_.floor, 0.85));
   p_.drawRoundedRect(card, 4, 4);
-  const QPointF left(card.left() + 8, card.bottom() - 6), right = left + QPointF(length, 0);
+  const QPointF left(card.center().x() - length / 2, card.bottom() - 6), right = left + QPointF(length, 0);
   p_.setPen(cosmetic(c_.text, 1.6));
   p_.drawLine(left, right);
   p_.drawLine(left + QPointF(0, -4), left);
