@@ -3,13 +3,11 @@
 #include <unistd.h>
 
 #include <QApplication>
-#include <QSettings>
-#include <QTemporaryDir>
 #include <string>
 #include <string_view>
 
+#include "own_home.h"
 #include "tests/places.h"
-#include "ui/base/settings.h"
 #include "ui/window.h"
 
 int main(int argc, char** argv) {
@@ -21,11 +19,7 @@ int main(int argc, char** argv) {
   if (qEnvironmentVariableIsEmpty("QT_QPA_PLATFORM")) qputenv("QT_QPA_PLATFORM", "offscreen");
   testing::InitGoogleTest(&argc, argv);
   QApplication application(argc, argv);
-  const QTemporaryDir settings;
-  qputenv("XDG_STATE_HOME", settings.path().toUtf8());  // markers of runs
-  qputenv("XDG_DATA_HOME", settings.path().toUtf8());   // kept runs
-  QSettings::setPath(QSettings::IniFormat, QSettings::UserScope, settings.path());
-  skein::ui::settings().setValue(QStringLiteral("keep_runs"), false);  // but where a test asks for it
+  const skein::ui::test::OwnHome home;
   skein::ui::prepare(application);
   return RUN_ALL_TESTS();
 }

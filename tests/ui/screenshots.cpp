@@ -6,15 +6,13 @@
 #include <QDoubleSpinBox>
 #include <QLabel>
 #include <QMenu>
-#include <QSettings>
 #include <QSlider>
-#include <QTemporaryDir>
 #include <QTest>
 #include <cstdio>
 
 #include "app/experiment/experiment_file.h"
+#include "own_home.h"
 #include "ui/arena/arena_view.h"
-#include "ui/base/settings.h"
 #include "ui/main/main_window.h"
 #include "ui/main/preview_controller.h"
 #include "ui/window.h"
@@ -120,9 +118,7 @@ bool checks(skein::ui::MainWindow& window, const QDir& dir) {
 
 int main(int argc, char** argv) {
   QApplication application(argc, argv);
-  const QTemporaryDir settings;  // the user's own are none of this program's business
-  QSettings::setPath(QSettings::IniFormat, QSettings::UserScope, settings.path());
-  skein::ui::settings().setValue(QStringLiteral("keep_runs"), false);
+  const skein::ui::test::OwnHome home;
   skein::ui::prepare(application);
   const QStringList words = QApplication::arguments();
   if (words.size() < 2) {

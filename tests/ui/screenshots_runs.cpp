@@ -12,7 +12,6 @@
 #include <QLineEdit>
 #include <QPlainTextEdit>
 #include <QPushButton>
-#include <QSettings>
 #include <QTableView>
 #include <QTemporaryDir>
 #include <QTest>
@@ -23,9 +22,9 @@
 #include "app/experiment/experiment_file.h"
 #include "app/record/csv_file.h"
 #include "app/session/session.h"
+#include "own_home.h"
 #include "shown_board.h"
 #include "ui/arena/arena_view.h"
-#include "ui/base/settings.h"
 #include "ui/calibration/calibration_dialog.h"
 #include "ui/camera/camera_page.h"
 #include "ui/connect/connect_page.h"
@@ -187,9 +186,7 @@ int take(const QDir& dir) {
 
 int main(int argc, char** argv) {
   QApplication application(argc, argv);
-  const QTemporaryDir settings;  // the user's own are none of this program's business
-  QSettings::setPath(QSettings::IniFormat, QSettings::UserScope, settings.path());
-  skein::ui::settings().setValue(QStringLiteral("keep_runs"), false);
+  const skein::ui::test::OwnHome home;
   skein::ui::prepare(application);
   const QStringList words = QApplication::arguments();
   if (words.size() == 2) return skein::ui::take(QDir(words[1]));
