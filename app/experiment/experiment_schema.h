@@ -5,7 +5,7 @@
 namespace skein::app {
 
 /// A JSON schema of experiment files, for editors that complete and check TOML: resources/experiment.schema.json. It
-/// describes every key with one value; structured values it only names.
+/// has every key: a key of one value with range, default and help, structured values with their types and words.
 std::string experiment_schema();
 
 }  // namespace skein::app

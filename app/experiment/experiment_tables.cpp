@@ -143,10 +143,12 @@ void read_policy(TomlTable& t, const Experiment& e, ControllerSpec& c, Problems&
   t.choice("policy", c.policy);
   const bool known = t.sound("controller.policy");
   const bool fixed = c.policy == core::GainPolicy::fixed;
-  for (const auto& [key, target] : {std::pair{"k_x", &c.k_x}, std::pair{"k_theta", &c.k_theta}}) {
+  for (const auto& [name, target] :
+       {std::pair{core::TrackingGain::k_x, &c.k_x}, std::pair{core::TrackingGain::k_theta, &c.k_theta}}) {
+    const char* const key = word(name).data();
     if (fixed && known) t.require(key, "the tracking gain, above 0 and at most what (18f, g) leave");
     if (!fixed && known && t.has(key)) t.refuse(key, *t.node(key), only_fixed);
-    t.number(key, *target, above(0.0, 100.0));  // (18a)
+    t.number(key, *target, range_of(name));
   }
   for (std::size_t i = 0; !fixed && known && i < e.robots.size(); ++i) {
     for (const core::TrackingGain name : core::tracking_names)

@@ -9,8 +9,12 @@
 #include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <ostream>
 #include <regex>
+#include <set>
 #include <sstream>
+#include <string>
+#include <vector>
 
 #include "app/experiment/experiment_file.h"
 #include "app/experiment/experiment_schema.h"
@@ -109,6 +113,94 @@ TEST(ExperimentKeys, AreReadWithTheirOwnDefaultAndRefusedOutsideTheirRange) {
 TEST(ExperimentSchema, IsTheOneThatComesWithSkein) {
   EXPECT_EQ(test::read_file(test::in_source("resources/experiment.schema.json")), experiment_schema())
       << "write it again: skein check --schema > resources/experiment.schema.json";
+}
+
+/// The keys that the parser knows in a table, by its answer to one that it does not know.
+std::set<std::string> known_in(const std::string& text, const std::string& table) {
+  const auto refused = parse_experiment(text, "e.toml", {});
+  if (refused) return {};
+  const std::string place = table.empty() ? "" : table + ".", where = table.empty() ? "" : " in " + table;
+  const std::string begin = place + "zzz: unknown key, allowed" + where + ": ";
+  std::set<std::string> known;
+  for (const Problem& problem : refused.error()) {
+    if (!problem.text.starts_with(begin)) continue;
+    std::istringstream names(problem.text.substr(begin.size()));
+    for (std::string name; names >> name;) known.insert(name.substr(0, name.find(',')));
+  }
+  return known;
+}
+
+/// A place of the schema, the parser's name of it, and files that have an unknown key there: together they know all
+/// keys of the place.
+struct SchemaTable {
+  std::string place, name;
+  std::vector<std::string> files;
+};
+void PrintTo(const SchemaTable& table, std::ostream* out) {
+  *out << (table.name.empty() ? "the top" : table.name);
+}
+
+const std::string own = "[reference]\nkind = \"independent\"\n";
+std::vector<std::string> paths(const std::string& before, const std::string& after) {
+  std::vector<std::string> files;
+  for (const char* shape : {"rounded_rectangle", "circle", "spline", "polyline", "line"})
+    files.push_back(fmt::format("{}{{ shape = \"{}\", zzz = 1 }}{}", before, shape, after));
+  return files;
+}
+const std::vector<SchemaTable> schema_tables{
+    {"", "", {"zzz = 1"}},
+    {"/reference",
+     "reference",
+     {"[reference]\nzzz = 1", "[reference]\nkind = \"formation\"\nzzz = 1", own + "zzz = 1"}},
+    {"/reference/properties/path", "reference.path", paths("[reference]\npath = ", "")},
+    {"/reference/properties/change/items",
+     "reference.change.1",
+     {"[[reference.change]]\nzzz = 1", "[reference]\nkind = \"formation\"\n[[reference.change]]\nzzz = 1"}},
+    {"/controller", "controller", {"[controller]\nzzz = 1"}},
+    {"/controller/properties/gains", "controller.gains", {"[controller.gains]\nzzz = 1"}},
+    {"/camera", "camera", {"[camera]\nzzz = 1"}},
+    {"/camera/properties/also/items", "camera.also.1", {"[[camera.also]]\nzzz = 1"}},
+    {"/robot_defaults", "robot_defaults", {"[robot_defaults]\nzzz = 1"}},
+    {"/robot/items", "robot.1", {"[[robot]]\nzzz = 1"}},
+    {"/robot/items/properties/truth", "robot.1.truth", {"[[robot]]\ntruth = { zzz = 1 }"}},
+    {"/robot/items/properties/trajectory",
+     "robot.1.trajectory",
+     {own + "[[robot]]\ntrajectory = { zzz = 1 }", own + "[[robot]]\ntrajectory = { samples = [], zzz = 1 }"}},
+    {"/robot/items/properties/trajectory/properties/path", "robot.1.trajectory.path",
+     paths(own + "[[robot]]\ntrajectory = { path = ", " }")},
+    {"/gain_change/items",
+     "gain_change.1",
+     {"[[gain_change]]\nzzz = 1", "[[gain_change]]\nk_x = 1\nk_theta = 1\nzzz = 1"}},
+    {"/obstacle/items", "obstacle.1", {"[[obstacle]]\nzzz = 1"}},
+    {"/perturb/items", "perturb.1", {"[[perturb]]\nzzz = 1"}},
+    {"/operator/items", "operator.1", {"[[operator]]\nzzz = 1"}},
+    {"/expect", "expect", {"[expect]\nzzz = 1"}},
+};
+
+class SchemaTables : public testing::TestWithParam<SchemaTable> {};
+INSTANTIATE_TEST_SUITE_P(Of, SchemaTables, testing::ValuesIn(schema_tables));
+
+TEST_P(SchemaTables, HaveTheKeysThatTheParserReads) {
+  const auto& [place, name, files] = GetParam();
+  std::set<std::string> read, has;
+  for (const std::string& file : files) read.merge(known_in(file, name));
+  const auto schema = nlohmann::json::parse(experiment_schema());
+  const auto& table = schema.at(nlohmann::json::json_pointer(place.empty() ? "" : "/properties" + place));
+  for (const auto& [key, type] : table.at("properties").items()) {
+    has.insert(key);
+    EXPECT_FALSE(type.empty()) << key << " may be anything";
+  }
+  EXPECT_EQ(has, read);
+  EXPECT_FALSE(table.at("additionalProperties").get<bool>());
+}
+
+/// Some ranges depend on the rate: the schema, which does not follow that, refuses nothing that some rate allows.
+TEST(ExperimentSchema, AllowsWhatTheFastestRateAllows) {
+  const auto schema = nlohmann::json::parse(experiment_schema());
+  const double most = schema.at("/properties/shield/properties/gamma/maximum"_json_pointer);
+  const std::string set = fmt::format("shield.gamma={}", most);
+  EXPECT_TRUE(parse_experiment("", "e.toml", {"rate=1000", set}));
+  EXPECT_FALSE(parse_experiment("", "e.toml", {set})) << "the control";
 }
 
 TEST(ExperimentSchema, KnowsTheKeys) {
