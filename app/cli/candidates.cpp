@@ -88,18 +88,18 @@ std::vector<Candidate> shipped(const std::string& folder) {
   return result;
 }
 
-std::vector<Candidate> robots() {
+std::vector<Candidate> robots(const std::string& file) {
   std::vector<Candidate> result;
-  if (const auto known = load_known_robots(known_robots_file("")))
+  if (const auto known = load_known_robots(known_robots_file(file)))
     for (const KnownRobot& robot : *known)
       if (!robot.spec.name.empty()) result.push_back({robot.spec.name, {}});
   return result;
 }
 
-std::vector<Candidate> kept_runs() {
+std::vector<Candidate> kept_runs(const std::string& asked) {
   std::vector<Candidate> result{{"last", "the newest kept run"}};
   std::error_code error;
-  const auto directory = runs_directory("");
+  const auto directory = runs_directory(asked);
   if (!directory) return result;
   for (fs::directory_iterator it(*directory, error), end; !error && it != end; it.increment(error))
     if (std::error_code none; fs::exists(it->path() / run_files::story, none))
@@ -128,12 +128,16 @@ std::vector<Candidate> cameras() {
 
 }  // namespace
 
-std::optional<std::vector<Candidate>> candidates(const std::string& name, const std::string& typed) {
-  if (name == "--set") return keys(typed);
+std::optional<std::vector<Candidate>> candidates(const std::string& name, const Typed& typed) {
+  const auto option = [&](const char* of) {
+    const auto given = typed.options.find(of);
+    return given == typed.options.end() ? std::string() : given->second;
+  };
+  if (name == "--set") return keys(typed.word);
   if (name == "experiment") return shipped("experiments");
   if (name == "study") return shipped("studies");
-  if (name == "robots") return robots();
-  if (name == "run" || name == "other") return kept_runs();
+  if (name == "robots") return robots(option("--file"));
+  if (name == "run" || name == "other") return kept_runs(option("--runs-dir"));
   if (name == "source") return cameras();
   return {};
 }

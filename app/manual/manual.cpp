@@ -200,17 +200,24 @@ void refuse_missing_values(CLI::App& program) {
 }
 
 std::string completions(const CLI::App& program, const std::vector<std::string>& words, const ValuesOf& values) {
-  const std::string typed = words.empty() ? "" : words.back();
+  Typed so_far{words.empty() ? "" : words.back(), {}};
+  const std::string& typed = so_far.word;
   const CLI::App* command = &program;
   const CLI::Option* wants = nullptr;  // the option whose value is typed
   std::size_t places = 0;              // positionals that are filled
   for (std::size_t k = 0; k + 1 < words.size(); ++k) {
     const std::string& word = words[k];
     if (wants != nullptr) {
+      so_far.options[wants->get_name(false, false)] = word;
       wants = nullptr;
     } else if (word.starts_with("-") && word.size() > 1) {
-      const CLI::Option* option = find_option(*command, word);
-      if (option != nullptr && option->get_expected_max() != 0) wants = option;
+      const std::size_t equals = word.find('=');
+      const CLI::Option* option = find_option(*command, word.substr(0, equals));
+      if (option == nullptr || option->get_expected_max() == 0) continue;
+      if (equals == std::string::npos)
+        wants = option;
+      else
+        so_far.options[option->get_name(false, false)] = word.substr(equals + 1);
     } else if (const CLI::App* sub = find_command(*command, word); sub != nullptr) {
       command = sub;
       places = 0;
@@ -223,7 +230,7 @@ std::string completions(const CLI::App& program, const std::vector<std::string>&
   bool files = false;
   const auto add_values = [&](const CLI::Option& option, const std::string& name) {
     std::optional<std::vector<Candidate>> known;
-    if (values) known = values(name, typed);
+    if (values) known = values(name, so_far);
     // What the shell would give back as another word: names of two lines (each line is a candidate), or of an option.
     const auto cannot_be = [](const Candidate& one) {
       return one.word.starts_with('-') || one.word.find_first_of("\n\t") != std::string::npos;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -37,10 +38,14 @@ struct Candidate {
   std::string help;  ///< a few words, or none
 };
 
-/// The candidates for the value of an option or positional, by its name ("--set", "experiment") and what is typed of it
-/// already; empty: a file.
-using ValuesOf =
-    std::function<std::optional<std::vector<Candidate>>(const std::string& name, const std::string& typed)>;
+/// What a command line has so far.
+struct Typed {
+  std::string word;                            ///< what there is of the word being typed
+  std::map<std::string, std::string> options;  ///< the values of options before it, by their names ("--runs-dir")
+};
+
+/// The candidates for the value of an option or positional, by its name ("--set", "experiment"); empty: a file.
+using ValuesOf = std::function<std::optional<std::vector<Candidate>>(const std::string& name, const Typed& typed)>;
 
 /// Completions for `words`, all after the program's name, of which the last is being typed: lines of "WORD<tab>HELP"
 /// that begin with it, after a line "@files" if a file is possible as well (resources/completion). Commands, options

@@ -29,6 +29,10 @@ completes 'skein run platoon --set avoidance.kind=pl' 'skein run platoon --set a
 completes 'skein robots pi' 'skein robots ping '
 completes 'skein-bench loo' 'skein-bench loopback '
 completes '~/bin/skein repl' '~/bin/skein replay '
+completes '$HOME/bin/skein repl' '$HOME/bin/skein replay '
+completes 'skein runs verify --runs-dir lab\ one/runs b' 'skein runs verify --runs-dir lab\ one/runs b '
+completes 'skein runs verify --runs-dir $PWD/lab\ one/runs b' 'skein runs verify --runs-dir $PWD/lab\ one/runs b '
+completes 'skein runs verify --runs-dir="$PWD/lab one/runs" b' 'skein runs verify --runs-dir="$PWD/lab one/runs" b '
 completes 'skein runs verify a\ ' 'skein runs verify a\ \$run\` '
 completes "skein runs verify 'a " "skein runs verify 'a \$run\`' "
 completes 'skein runs verify "a ' 'skein runs verify "a \$run\`" '

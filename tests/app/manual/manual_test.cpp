@@ -26,7 +26,7 @@ class Manual : public testing::Test {
   }
   std::string after(const std::vector<std::string>& words) const {
     return completions(program, words,
-                       [](const std::string& name, const std::string&) -> std::optional<std::vector<Candidate>> {
+                       [](const std::string& name, const Typed& typed) -> std::optional<std::vector<Candidate>> {
                          if (name == "--set")
                            return {{{"rate=", "ticks"},
                                     {"avoidance.kind=", "how"},
@@ -34,6 +34,7 @@ class Manual : public testing::Test {
                                     {"avoidance.kind=field", {}}}};
                          if (name == "experiment")
                            return {{{"platoon", {}}, {"parking", {}}, {"pa\nlast", {}}, {"--yes", {}}}};
+                         if (name == "robot") return {{{typed.options.at("--file"), {}}}};
                          return {};
                        });
   }
@@ -133,6 +134,25 @@ TEST_F(Manual, CompletesValues) {
   EXPECT_EQ(after({"run", "platoon", "pa"}), "") << "there is one experiment";
   EXPECT_EQ(after({"run", "--set", "avo"}), "avoidance.kind=\thow\n") << "keys first";
   EXPECT_EQ(after({"run", "--set", "avoidance.kind="}), "avoidance.kind=plan\t\navoidance.kind=field\t\n");
+}
+
+TEST(Completions, KnowTheValuesOfOptionsBeforeTheWord) {
+  CLI::App program{"Says what it does", "skein"};
+  std::string text;
+  CLI::App& verify = *program.add_subcommand("verify", "Looks");
+  verify.add_option("run", text, "which");
+  verify.add_option("-d,--runs-dir", text, "where");
+  const auto after = [&](const std::vector<std::string>& words) {
+    return completions(program, words, [](const std::string& name, const Typed& typed) {
+      const auto given = typed.options.find("--runs-dir");
+      return std::optional(std::vector<Candidate>{
+          {name + " in " + (given == typed.options.end() ? "the usual place" : given->second), {}}});
+    });
+  };
+  EXPECT_EQ(after({"verify", ""}), "@files\nrun in the usual place\t\n");
+  EXPECT_EQ(after({"verify", "--runs-dir", "a b", ""}), "@files\nrun in a b\t\n");
+  EXPECT_EQ(after({"verify", "-d", "a b", ""}), "@files\nrun in a b\t\n");
+  EXPECT_EQ(after({"verify", "--runs-dir=a b", "run"}), "@files\nrun in a b\t\n");
 }
 
 }  // namespace
