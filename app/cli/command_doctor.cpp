@@ -3,10 +3,10 @@
 #include <algorithm>
 
 #include "app/cli/commands.h"
-#include "app/cli/shell_word.h"
 #include "app/doctor/doctor.h"
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
+#include "app/run/shell_word.h"
 #include "app/run/terminal_text.h"
 
 namespace skein::app {

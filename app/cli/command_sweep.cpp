@@ -12,12 +12,12 @@
 
 #include "app/cli/command_line_studies.h"
 #include "app/cli/same_file.h"
-#include "app/cli/shell_word.h"
 #include "app/experiment/text_file.h"
 #include "app/record/report.h"
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
 #include "app/run/output.h"
+#include "app/run/shell_word.h"
 #include "app/run/terminal_text.h"
 #include "app/tools/outcome_file.h"
 #include "app/tools/study_plan.h"

@@ -11,6 +11,7 @@
 #include "app/experiment/experiment_file.h"
 #include "app/experiment/experiment_robots.h"
 #include "app/record/csv_columns.h"
+#include "app/run/shell_word.h"
 #include "core/words.h"
 
 namespace skein::app {
@@ -233,7 +234,7 @@ tl::expected<bool, std::string> CsvReader::next(TickRecord& record) {
       torn_ = fmt::format(
           "{}:{}: the file is torn here, as by a power cut: read up to this row; `skein replay {} --repair` keeps the "
           "complete rows",
-          file_, line_, file_);
+          file_, line_, shell_word_if_needed(file_));
       return false;
     }
   } while (text_.empty() || text_.starts_with('#'));

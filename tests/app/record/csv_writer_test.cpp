@@ -263,6 +263,18 @@ TEST(CsvReader, ReadsUpToATornRowAndSaysSo) {
   }
 }
 
+TEST(CsvReader, ACommandThatItPrintsHoldsForANameWithABlank) {
+  std::istringstream in("t,tick,r1_x\n1,2,3\n2,3");
+  auto reader = CsvReader::open(in, "lab one/it's.csv");
+  ASSERT_TRUE(reader);
+  TickRecord row;
+  while (*reader->next(row)) {
+  }
+  ASSERT_TRUE(reader->torn());
+  EXPECT_NE(reader->torn()->find("`skein replay 'lab one/it'\\''s.csv' --repair`"), std::string::npos)
+      << *reader->torn();
+}
+
 TEST(CsvReader, HasLimits) {
   std::string header = "t,tick";
   for (int i = 1; i <= 65; ++i) header += ",r" + std::to_string(i) + "_x";

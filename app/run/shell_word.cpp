@@ -1,4 +1,4 @@
-#include "app/cli/shell_word.h"
+#include "app/run/shell_word.h"
 
 #include <string_view>
 

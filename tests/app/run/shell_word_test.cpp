@@ -1,5 +1,5 @@
 // Commands that are printed to be copied: a shell reads back what they mean.
-#include "app/cli/shell_word.h"
+#include "app/run/shell_word.h"
 
 #include <gtest/gtest.h>
 
