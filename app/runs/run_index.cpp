@@ -403,10 +403,10 @@ struct RunIndex::State {
     if (is_text && c.relation != RunQuery::Relation::contains && has_times(*key)) {
       auto time = time_of(std::get<std::string>(c.value));
       if (!time) return tl::unexpected(c.key + ": " + time.error());
-      if (time->has_zone)
-        left = "julianday(value)", right = "julianday(?)";
-      else  // as exactly as it is written, by the clock where the run was made
-        left = fmt::format("substr(value, 1, {})", time->text.size());
+      // As exactly as it is written: with a zone the instant, else by the clock where the run was made.
+      const auto to_its_end = [&](std::string_view of) { return fmt::format("substr({}, 1, {})", of, time->size); };
+      left = to_its_end(time->has_zone ? "strftime('%Y-%m-%dT%H:%M:%f', value)" : "value");
+      if (time->has_zone) right = to_its_end("strftime('%Y-%m-%dT%H:%M:%f', ?)");
       value = std::move(time->text);
     }
     std::string_view sign;
@@ -446,7 +446,8 @@ struct RunIndex::State {
   }
 
   struct Time {
-    std::string text;  // as run.json has it, or its beginning: 2026-11, 2026-11-20T20:15
+    std::string text;      // as run.json has it, or its beginning: 2026-11, 2026-11-20T20:15
+    std::size_t size = 0;  // of that, without the zone
     bool has_zone = false;
   };
   /// A time in a query. Only times of this form can be compared as texts: 2026-9-1 would be later than 2026-11-01.
@@ -478,7 +479,7 @@ struct RunIndex::State {
     if (!good)
       return tl::unexpected(
           fmt::format("found {}, allowed: a date such as 2026-11-20, or a time such as 2026-11-20T20:15", text));
-    return Time{text, size < text.size()};
+    return Time{text, size, size < text.size()};
   }
 
   /// Whether the key's values are times.

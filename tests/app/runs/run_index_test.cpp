@@ -195,6 +195,21 @@ TEST(RunIndex, TheNewestIsTheOneThatBeganLastWhateverTheTimeZone) {
   EXPECT_TRUE(index.knows({"began"}));
 }
 
+TEST(RunIndex, AMinuteThatTheClockShowsTwiceIsToldApartByItsZone) {
+  Folder runs;
+  keep_run(runs, "2026-10-25_023010_a", R"({"began":"2026-10-25T02:30:10.437+02:00"})");
+  keep_run(runs, "2026-10-26_023005_b", R"({"began":"2026-10-25T02:30:05.495+01:00"})");  // clocks went back
+  auto index = RunIndex::open(runs.path).value();
+  EXPECT_EQ(found(index, "began = 2026-10-25T02:30"), (Days{"5", "6"}));
+  EXPECT_EQ(found(index, "began = 2026-10-25T02:30+02:00"), (Days{"5"}));
+  EXPECT_EQ(found(index, "began = 2026-10-25T02:30+01:00"), (Days{"6"}));
+  EXPECT_EQ(found(index, "began = 2026-10-25T01:30Z"), (Days{"6"}));
+  EXPECT_EQ(found(index, "began = 2026-10-25T01:30:05Z"), (Days{"6"}));
+  EXPECT_EQ(found(index, "began = 2026-10-25T01:30:05.495Z"), (Days{"6"}));
+  EXPECT_EQ(found(index, "began > 2026-10-25T02:30+02:00"), (Days{"6"})) << "after that minute";
+  EXPECT_EQ(found(index, "began < 2026-10-25T01:30:05Z"), (Days{"5"}));
+}
+
 TEST(RunIndex, TheNewestMayBeOfBefore1970) {
   Folder runs;
   keep_run(runs, "a", R"({"began":"1965-10-25T02:59:00.000+02:00"})");
