@@ -318,6 +318,7 @@ Done KeptRun::end(const Statistics::Summary& summary, const End& how) {
       for (const std::string& name : files_of_run(folder_))  // else they would not belong to the run
         if (std::error_code ignored; name != run_files::story && !without_figures.contains(name))
           fs::remove(folder / name, ignored);
+      note(write_story(without_figures));  // the one that is there promises figures
     }
   }
   return complete;

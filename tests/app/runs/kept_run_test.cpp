@@ -21,6 +21,7 @@
 #include "app/runs/verify.h"
 #include "app/session/session.h"
 #include "tests/app/folder.h"
+#include "tests/app/runs/small_disk.h"
 #include "tests/files.h"
 #include "tests/places.h"
 
@@ -30,6 +31,7 @@ namespace {
 using test::Folder;
 
 using test::read_file;
+using test::SmallDisk;
 
 /// A run of a file in `place`, kept below `runs`.
 std::string keep(const Folder& place, const std::string& runs, const std::string& text,
@@ -195,6 +197,26 @@ TEST(KeptRun, FiguresForWhichThereIsNoRoomAreLeftOutAndItsResultsAreThere) {
   EXPECT_TRUE(kept.complete());
   EXPECT_EQ(files_of_run(kept.folder()),
             (std::vector<std::string>{"experiment-as-written.toml", "experiment.toml", "run.csv", "summary.json"}));
+}
+
+TEST(KeptRun, OneWhoseDiskHasNoRoomForFiguresWasNotKilled) {
+  const Folder place;
+  const auto experiment = parse_experiment(text, "my.toml").value();
+  const auto end = [&](const std::string& script, rlim_t room) {
+    const OtherGnuplot gnuplot(place, script);
+    auto kept = KeptRun::begin({place / "runs", {}, {}, {}, true, text}, experiment).value();
+    record(kept, experiment);
+    const SmallDisk disk(room);
+    EXPECT_FALSE(kept.end(Statistics(experiment).summary(), {}));
+    return kept.folder();
+  };
+  end("cp run.json \"${0%/*}/seen.json\"\n", RLIM_INFINITY);  // before its figures
+  const std::string run = end(": > figure3.svg\n", read_file(place / "bin/seen.json").size() + 20);
+  EXPECT_FALSE(read_story(run).value().contains(figures_to_come));
+  const auto found = verify_run(run);
+  ASSERT_TRUE(found) << found.error();
+  EXPECT_TRUE(holds(*found, "files"));
+  for (const std::string& note : found->notes) EXPECT_EQ(note.find("killed"), std::string::npos) << note;
 }
 
 TEST(KeptRun, HasAllThatItCameFromAndAllThatItGave) {

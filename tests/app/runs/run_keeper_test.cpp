@@ -3,11 +3,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <stdlib.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -19,11 +17,13 @@
 #include "app/runs/verify.h"
 #include "app/session/session.h"
 #include "tests/app/folder.h"
+#include "tests/app/runs/small_disk.h"
 
 namespace skein::app {
 namespace {
 
 using test::Folder;
+using test::SmallDisk;
 
 Experiment seconds(int duration) {
   auto experiment = parse_experiment(paper_experiment().source, "e.toml", {"duration=" + std::to_string(duration)});
@@ -43,25 +43,6 @@ Phase run(const Experiment& experiment, RunKeeper& keeper, SessionFacts& facts) 
   facts = facts_of(**session, end);
   return end;
 }
-
-/// No file of this program grows beyond a limit: what a full disk is to it.
-class SmallDisk {
- public:
-  explicit SmallDisk(rlim_t bytes) {
-    ::getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit small{bytes, before_.rlim_max};
-    ::setrlimit(RLIMIT_FSIZE, &small);
-    handler_ = std::signal(SIGXFSZ, SIG_IGN);
-  }
-  ~SmallDisk() {
-    ::setrlimit(RLIMIT_FSIZE, &before_);
-    std::signal(SIGXFSZ, handler_);
-  }
-
- private:
-  rlimit before_{};
-  void (*handler_)(int) = nullptr;
-};
 
 TEST(RunKeeper, KeepsARunAsTheCommandLineDoes) {
   const Folder place;
