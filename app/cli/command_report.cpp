@@ -32,7 +32,7 @@ int write_page(const PageRequest& request) {
   if (is_of_run(record->folder, out))
     return refused(fmt::format("{}: is a file of the kept run, allowed: another name", out));
   constexpr double patience = 60.0;  // [s]
-  auto disk = DiskWriter::open(out, {.force = request.force});
+  auto disk = DiskWriter::open(out, {.force = request.force, .whole = true});
   if (!disk) return refused(disk.error());
   if (!disk->write(page->html)) return refused(disk->failure());
   disk->publish();

@@ -64,7 +64,7 @@ tl::expected<Exported, std::string> export_run(std::istream& csv, const std::str
                                                const ExportOptions& options) {
   auto reader = CsvReader::open(csv, file);
   if (!reader) return tl::unexpected(reader.error());
-  auto disk = DiskWriter::open(to, options.rules);
+  auto disk = DiskWriter::open(to, {.force = options.rules.force, .whole = true});
   if (!disk) return tl::unexpected(disk.error());
   const auto stopped = tl::unexpected(to + ": is not written: interrupted");  // nor does its draft stay
   const auto out = exporter(*reader, options);

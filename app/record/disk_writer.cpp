@@ -66,6 +66,13 @@ int open_draft(const std::string& draft) {
   }
 }
 
+/// A file without a name in the folder of `path`; -1: the disk, such as one of a network, knows none.
+int open_unnamed(const std::string& path) {
+  if (::access("/proc/self/fd", X_OK) != 0) return -1;  // without it the file could not get a name
+  const fs::path parent = fs::path(path).parent_path();
+  return ::open(parent.empty() ? "." : parent.c_str(), O_WRONLY | O_TMPFILE | O_CLOEXEC, 0666);
+}
+
 /// Whether a program is writing the file of this name, under the lock of its draft.
 bool being_written(const std::string& path) {
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
@@ -104,7 +111,7 @@ std::string free_name(const std::string& path) {
 
 struct DiskWriter::State {
   std::string path, draft;  // draft empty: written to as it is
-  bool force = false;
+  bool force = false, unnamed = false;
   int file = -1;
 
   std::mutex mutex;
@@ -157,7 +164,12 @@ tl::expected<DiskWriter, std::string> DiskWriter::open(const std::string& path, 
     if (fs::is_symlink(path, ignored)) state->path = fs::canonical(path, ignored).string();
     if (state->path.empty()) state->path = path;
     state->draft = state->path + draft_end;
-    state->file = open_draft(state->draft);
+    if (rules.whole) state->file = open_unnamed(state->path);
+    state->unnamed = state->file >= 0;
+    if (state->unnamed)
+      state->draft += fmt::format(".{}", ::getpid());  // for a moment, when it gets its name
+    else
+      state->file = open_draft(state->draft);
     if (state->file < 0 && errno == EWOULDBLOCK) return tl::unexpected(written_by_another(path));
   }
   if (state->file < 0) return tl::unexpected(cannot(path, errno));
@@ -240,6 +252,13 @@ bool DiskWriter::State::write_all(std::string_view text) {
 }
 
 void DiskWriter::State::give_name() {
+  if (unnamed && ::linkat(AT_FDCWD, fmt::format("/proc/self/fd/{}", file).c_str(), AT_FDCWD, draft.c_str(),
+                          AT_SYMLINK_FOLLOW) != 0) {
+    const int error = errno;
+    const std::lock_guard lock(mutex);
+    published = true;
+    return fail(cannot(path, error));
+  }
   if (force && being_written(path)) {  // since the draft was opened
     const std::lock_guard lock(mutex);
     published = true;

@@ -12,6 +12,7 @@ namespace skein::app {
 /// How a file may be created.
 struct WriteRules {
   bool force = false;  ///< replace an existing file
+  bool whole = false;  ///< only a whole file is worth keeping: a killed program leaves none, where the disk allows it
 };
 
 /// "run-2.csv" for "run.csv", or the next number that no file has.
@@ -21,8 +22,8 @@ std::string free_name(const std::string& path);
 /// the disk, not only in the system's cache, within a second.
 ///
 /// A new file is written as PATH.part, and renamed by publish(): an existing file stays until then, and for
-/// good without `force`. The draft is locked against a second program. A FIFO or a device is written to
-/// directly.
+/// good without `force`. The draft is locked against a second program. With `whole` it has no name at all before
+/// publish(), on most disks. A FIFO or a device is written to directly.
 class DiskWriter {
  public:
   /// The error: it cannot be written there, or the file exists; then it names a free name.
