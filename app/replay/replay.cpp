@@ -9,6 +9,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -258,6 +259,17 @@ tl::expected<ReplayResult, std::string> replay(std::istream& csv, const std::str
   return replay_into(csv, file, film, controller, nullptr);
 }
 
+namespace {
+
+/// Whether a file has all bytes of another one at its beginning.
+bool begins_with(const std::string& file, const std::string& beginning) {
+  std::ifstream all(file, std::ios::binary), part(beginning, std::ios::binary);
+  using Bytes = std::istreambuf_iterator<char>;
+  return all && part && std::mismatch(Bytes(part), Bytes(), Bytes(all), Bytes()).first == Bytes();
+}
+
+}  // namespace
+
 tl::expected<void, std::string> repair(const std::string& file) {
   if (const auto ours = check_is_file(file); !ours) return tl::unexpected(ours.error());
   std::ifstream in(file, std::ios::binary);
@@ -270,8 +282,15 @@ tl::expected<void, std::string> repair(const std::string& file) {
   if (!more) return tl::unexpected(more.error());
   if (!reader->torn()) return tl::unexpected(file + ": is complete, there is nothing to repair");
   const std::string torn = file + ".torn";
-  if (std::filesystem::exists(torn)) return tl::unexpected(torn + ": already exists, allowed: a free name");
-  auto whole = DiskWriter::open(file, {.force = true});
+  std::error_code error;
+  // A repair that was killed leaves another name of the file, or part of a copy: nothing that the file lacks.
+  const bool left_over = std::filesystem::exists(torn, error);
+  if (left_over && !begins_with(file, torn))
+    return tl::unexpected(
+        fmt::format("{}: already exists, and {} does not begin with what is in it: move it away, so that the original "
+                    "can be kept under this name",
+                    torn, file));
+  auto whole = DiskWriter::open(file, {.force = true, .whole = true});
   if (!whole) return tl::unexpected(whole.error());
   in.clear();
   in.seekg(0);
@@ -285,7 +304,7 @@ tl::expected<void, std::string> repair(const std::string& file) {
   constexpr double patience = 60.0;  // [s]
   if (auto written = whole->flush(patience); !written) return written;
   // The torn file keeps a name: nothing is lost for good by a repair.
-  std::error_code error;
+  if (left_over) std::filesystem::remove(torn, error);
   std::filesystem::create_hard_link(file, torn, error);
   if (error) std::filesystem::copy_file(file, torn, error);
   if (error) return tl::unexpected(fmt::format("{}: cannot be written: {}", torn, error.message()));

@@ -16,6 +16,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <regex>
 #include <sstream>
 #include <string>
@@ -455,6 +456,43 @@ TEST(CommandLine, ATornRecordIsReadToItsTearAndRepaired) {
   EXPECT_FALSE(has(whole.err, "torn")) << whole.err;
   EXPECT_TRUE(std::filesystem::exists(file + ".torn"));
   EXPECT_EQ(skein({"replay", "--repair", file}).status, 2) << "there is nothing to repair";
+}
+
+TEST(CommandLine, ARepairThatWasKilledIsRepeated) {
+  Folder folder;
+  const std::string file = folder / "run.csv", original = folder / "original.csv";
+  ASSERT_EQ(skein({"run", experiments + "platoon.toml", "--csv", file, "--quiet", "--set", "duration=2"}).status, 0);
+  std::filesystem::resize_file(file, std::filesystem::file_size(file) - 100);
+  std::filesystem::copy_file(file, original);
+  const auto put_back = [&] {
+    std::filesystem::remove(file);
+    std::filesystem::remove(file + ".torn");
+    std::filesystem::copy_file(original, file);
+  };
+  // Killed behind its hard link, or in its copy where the disk knows no links.
+  const std::vector<std::function<void()>> kills{
+      [&] { std::filesystem::create_hard_link(file, file + ".torn"); },
+      [&] {
+        std::filesystem::copy_file(file, file + ".torn");
+        std::filesystem::resize_file(file + ".torn", 5000);
+      },
+  };
+  for (const auto& kill : kills) {
+    put_back();
+    kill();
+    const Result repaired = skein({"replay", "--repair", file});
+    EXPECT_EQ(repaired.status, 0) << repaired.err;
+    EXPECT_EQ(read_file(file + ".torn"), read_file(original));
+    EXPECT_LT(read_file(file).size(), read_file(original).size());
+    EXPECT_FALSE(has(skein({"replay", file}).err, "torn"));
+  }
+  put_back();
+  std::ofstream(file + ".torn") << "of another run";
+  const Result refused = skein({"replay", "--repair", file});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_TRUE(has(refused.err, "move it away")) << refused.err;
+  EXPECT_EQ(read_file(file + ".torn"), "of another run");
+  EXPECT_EQ(read_file(file), read_file(original));
 }
 
 TEST(CommandLine, NoRunIsOverwritten) {
