@@ -2,6 +2,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <numbers>
 
@@ -11,6 +12,7 @@
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
 #include "app/run/terminal_text.h"
+#include "app/runs/kept_run.h"
 
 namespace skein::app {
 
@@ -20,6 +22,15 @@ int replay(const std::string& csv, const std::string& film, bool repaired, bool 
     return wrong_input;
   }
   if (repaired) {
+    // Its run.json has the hash of the record as it is, and readers stop at the tear by themselves.
+    if (const auto folder = std::filesystem::path(csv).parent_path().string();
+        is_of_run(folder.empty() ? "." : folder, csv)) {
+      complain(
+          fmt::format("{}: is the record of a kept run, which `skein runs verify` would not accept any more; it "
+                      "is read up to the tear as it is, allowed: a copy",
+                      csv));
+      return wrong_input;
+    }
     if (const auto done = repair(csv); !done) {
       complain(done.error());
       return wrong_input;

@@ -495,6 +495,25 @@ TEST(CommandLine, ARepairThatWasKilledIsRepeated) {
   EXPECT_EQ(read_file(file), read_file(original));
 }
 
+TEST(CommandLine, TheTornRecordOfAKeptRunIsReadButNotRepaired) {
+  Folder folder;
+  ASSERT_EQ(skein({"run", experiments + "platoon.toml", "--keep", "--runs-dir", folder / "runs", "--quiet", "--set",
+                   "duration=2"})
+                .status,
+            0);
+  const std::filesystem::path run = *std::filesystem::directory_iterator(folder / "runs");
+  const std::string file = run / "run.csv";
+  std::filesystem::resize_file(file, std::filesystem::file_size(file) - 100);
+  const std::string torn = read_file(file);
+  const Result refused = skein({"replay", "--repair", file});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_TRUE(has(refused.err, "is the record of a kept run")) << refused.err;
+  EXPECT_EQ(read_file(file), torn) << "run.json may have its hash";
+  EXPECT_EQ(skein({"replay", file}).status, 0);
+  std::filesystem::remove(run / "run.json");
+  EXPECT_EQ(skein({"replay", "--repair", file}).status, 0) << "the control";
+}
+
 TEST(CommandLine, NoRunIsOverwritten) {
   Folder folder;
   const std::vector<std::string> words{
