@@ -16,6 +16,7 @@
 #include "app/experiment/experiment_file.h"
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
+#include "app/run/output.h"
 #include "app/run/resources.h"
 #include "app/run/timing.h"
 #include "app/tick/control_tick.h"
@@ -94,6 +95,7 @@ void measure(std::vector<Line>& lines, std::int64_t first, std::int64_t ticks) {
 }  // namespace
 
 int bench_controllers(const ControllersBench& bench) {
+  if (const auto missing = missing_resources()) return complain(*missing), wrong_input;
   // What the control thread asks for as well; without it, a machine that is busy otherwise is measured, too.
   sched_param priority{};
   priority.sched_priority = 20;

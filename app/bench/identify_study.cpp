@@ -284,6 +284,7 @@ bool print(const Manoeuvre& manoeuvre, const IdentifyBench& bench, const std::ve
 }  // namespace
 
 int bench_identify(const IdentifyBench& bench) {
+  if (const auto missing = missing_resources()) return complain(*missing), wrong_input;
   const auto recommended = follow("identify"), lap = follow("platoon");
   if (!recommended || !lap || bench.runs < 1) return wrong_input;
   const core::Individual exact;

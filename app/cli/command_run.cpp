@@ -24,6 +24,7 @@
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
 #include "app/run/output.h"
+#include "app/run/resources.h"
 #include "app/runs/kept_run.h"
 #include "app/runs/run_end.h"
 #include "app/runs/run_folder.h"
@@ -66,6 +67,9 @@ std::optional<Experiment> load(const ExperimentRequest& request) {
   if (experiment && request.rehearse) experiment = rehearsal(*experiment);
   if (experiment) return std::move(*experiment);
   print_error(messages(experiment.error()) + "\n");
+  std::error_code unknown;
+  if (const auto missing = missing_resources(); missing && !std::filesystem::exists(request.file, unknown))
+    complain(*missing);
   return {};
 }
 

@@ -1,5 +1,7 @@
 #include "app/run/resources.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <system_error>
@@ -9,11 +11,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
+fs::path program_folder() {
+  std::error_code error;
+  return fs::read_symlink("/proc/self/exe", error).parent_path();
+}
+
 fs::path resources() {
   std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  if (error) return {};
-  const fs::path folder = program.parent_path(), build = folder.parent_path();
+  const fs::path build = program_folder().parent_path();
+  if (build.empty()) return {};
   for (const fs::path& place : {build / "share" / "skein", build.parent_path().parent_path() / "resources"})
     if (fs::is_directory(place / "experiments", error)) return place;
   return {};
@@ -35,6 +41,14 @@ std::string resource_folder(const std::string& folder) {
   std::error_code error;
   const fs::path place = resources();
   return !place.empty() && fs::is_directory(place / folder, error) ? (place / folder).string() : std::string();
+}
+
+std::optional<std::string> missing_resources() {
+  if (!resources().empty()) return {};
+  return fmt::format(
+      "{}: the experiments and studies that come with Skein are not beside this program, as if it had been copied "
+      "alone, allowed: where it was installed or built, or a link to that",
+      program_folder().string());
 }
 
 std::vector<std::string> resource_names(const std::string& folder) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,9 @@ std::string find_resource(const std::string& folder, const std::string& name);
 
 /// The path of `folder`; empty: there is none.
 std::string resource_folder(const std::string& folder);
+
+/// A sentence if nothing that comes with Skein is beside the program, as of one that was copied alone.
+std::optional<std::string> missing_resources();
 
 /// The names of those in `folder`, sorted, without ".toml".
 std::vector<std::string> resource_names(const std::string& folder);

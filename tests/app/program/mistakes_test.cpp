@@ -811,6 +811,19 @@ TEST_F(Mistakes, AnExportThatIsInterruptedLeavesNothing) {
   }
 }
 
+TEST_F(Mistakes, AProgramThatWasCopiedAloneSaysWhatItLacks) {
+  EXPECT_EQ(shell("mkdir -p a/b && cp \"$skein\" \"$skein-bench\" a/b && a/b/skein run platoon"), 2);
+  EXPECT_THAT(said, AllOf(HasSubstr("platoon: cannot be read"), HasSubstr("are not beside this program")));
+  for (const std::string word : {"identify", "controllers"}) {
+    EXPECT_EQ(shell("a/b/skein-bench " + word + " --runs 1 --seconds 1"), 2) << out;
+    EXPECT_THAT(said, HasSubstr("a/b: the experiments and studies that come with Skein are not beside this program"));
+  }
+  EXPECT_EQ(shell("a/b/skein run no.toml"), 2);
+  EXPECT_EQ(shell("a/b/skein run e.toml --set duration=1"), 0) << said;
+  EXPECT_EQ(shell("$skein run no-such"), 2);
+  EXPECT_THAT(said, Not(HasSubstr("not beside this program")));
+}
+
 TEST_F(Mistakes, AClockThatIsWrongIsNamed) {
 #ifdef __SANITIZE_ADDRESS__
   GTEST_SKIP() << "the sanitizer lets no library be loaded before its own";
