@@ -57,18 +57,23 @@ Finding group(const Machine& machine, const Guarded& guarded) {
           {{"adduser", machine.user, name}}};
 }
 
-constexpr const char* rights_of_the_group = "/etc/security/limits.d/60-skein.conf";
+constexpr const char* rights_of_the_package = "/etc/security/limits.d/60-skein.conf";
+// A file of its own: dpkg asks before it replaces one of the package's that somebody else has written, and where nobody
+// answers, the package is not installed.
+constexpr const char* rights_of_a_fix = "/etc/security/limits.d/60-skein-doctor.conf";
 
-/// Whether that file grants the group a limit of this name. A session that began before, or that does not read such
-/// files, is without it.
-bool is_granted_to_the_group(const Machine& machine, const std::string& item) {
-  std::ifstream file(below(machine, rights_of_the_group));
-  for (std::string line; std::getline(file, line);) {
-    std::istringstream words(line);
-    std::string who, kind, limit;
-    if (words >> who >> kind >> limit && who == "@skein" && limit == item) return true;
+/// The file that grants the group a limit of this name; empty: none does. A session that began before, or that does not
+/// read such files, is without it.
+std::string granted_to_the_group_by(const Machine& machine, const std::string& item) {
+  for (const char* const rights : {rights_of_the_package, rights_of_a_fix}) {
+    std::ifstream file(below(machine, rights));
+    for (std::string line; std::getline(file, line);) {
+      std::istringstream words(line);
+      std::string who, kind, limit;
+      if (words >> who >> kind >> limit && who == "@skein" && limit == item) return rights;
+    }
   }
-  return false;
+  return {};
 }
 
 /// What the package skein-permissions allows the group skein is not granted.
@@ -76,17 +81,17 @@ Finding not_granted(State state, const char* subject, const char* item, std::str
   if (machine.superuser)  // a group grants root nothing: it lacks a capability
     return {state, subject, std::move(found),
             "a container withholds it: start it as root, with --cap-add=SYS_NICE --cap-add=IPC_LOCK"};
-  if (is_granted_to_the_group(machine, item) && (is_in(machine, "skein") || is_in_after_login(machine, "skein")))
-    return {state, subject, std::move(found),
-            fmt::format("{}, if its pam_limits reads {}", in_the_next_session, rights_of_the_group)};
-  return {state,
-          subject,
-          std::move(found),
-          fmt::format("install skein-permissions, then as root: adduser {} skein; then log in again", machine.user),
-          {{"addgroup", "--quiet", "--system", "skein"},
-           {"sh", "-c",
-            fmt::format("printf '@skein - rtprio 25\\n@skein - memlock unlimited\\n' > {}", rights_of_the_group)},
-           {"adduser", machine.user, "skein"}}};
+  if (const std::string by = granted_to_the_group_by(machine, item);
+      !by.empty() && (is_in(machine, "skein") || is_in_after_login(machine, "skein")))
+    return {state, subject, std::move(found), fmt::format("{}, if its pam_limits reads {}", in_the_next_session, by)};
+  return {
+      state,
+      subject,
+      std::move(found),
+      fmt::format("install skein-permissions, then as root: adduser {} skein; then log in again", machine.user),
+      {{"addgroup", "--quiet", "--system", "skein"},
+       {"sh", "-c", fmt::format("printf '@skein - rtprio 25\\n@skein - memlock unlimited\\n' > {}", rights_of_a_fix)},
+       {"adduser", machine.user, "skein"}}};
 }
 
 Finding priority(const Machine& machine) {

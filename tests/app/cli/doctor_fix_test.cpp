@@ -99,9 +99,12 @@ class DoctorFix : public testing::Test {
     std::istringstream groups(read("etc/group"));
     for (std::string line; std::getline(groups, line);)
       if (line.find("anna") != std::string::npos) machine.groups.push_back(line.substr(0, line.find(':')));
-    const char* const limits = "etc/security/limits.d/60-skein.conf";
-    machine.rtprio = is_in("skein") && has(limits, "@skein - rtprio 25\n") ? 25 : 0;
-    machine.memlock = is_in("skein") && has(limits, "@skein - memlock unlimited\n") ? -1 : 8 << 20;
+    const auto grants = [this](const char* limit) {
+      return is_in("skein") && (has("etc/security/limits.d/60-skein.conf", limit) ||
+                                has("etc/security/limits.d/60-skein-doctor.conf", limit));
+    };
+    machine.rtprio = grants("@skein - rtprio 25\n") ? 25 : 0;
+    machine.memlock = grants("@skein - memlock unlimited\n") ? -1 : 8 << 20;
   }
 
   /// The exit status of the command; what it prints is in `out` and `said`.
@@ -147,8 +150,8 @@ void PrintTo(const Fixable& fault, std::ostream* text) {
   *text << fault.name;
 }
 
-const std::string limits =
-    R"(sh -c 'printf '\''@skein - rtprio 25\n@skein - memlock unlimited\n'\'' > /etc/security/limits.d/60-skein.conf')";
+const std::string limits = R"(sh -c 'printf '\''@skein - rtprio 25\n@skein - memlock unlimited\n'\'' > )"
+                           "/etc/security/limits.d/60-skein-doctor.conf'";
 
 const std::string latency_rule =
     R"(fix   idle states: sh -c 'echo '\''KERNEL=="cpu_dma_latency", GROUP="skein", MODE="0660"'\'' > )"
