@@ -129,7 +129,8 @@ int ping_robots(const RobotsRequest& request);
 /// See robot_test.h.
 int test_robots(const RobotsRequest& request);
 
-/// Writes what was found about robots to the file of robots; reports robots that the file does not have.
+/// Writes what was found about robots to the file of robots; reports robots that the file does not have:
+/// expectation_failed if it has none of these.
 int save_found(const std::string& file, const std::vector<FoundRobot>& robots);
 
 /// Keys of an experiment file and their values as TOML text.

@@ -76,7 +76,7 @@ int save_found(const std::string& file, const std::vector<FoundRobot>& robots) {
   }
   for (const std::string& problem : saved->problems) complain(problem);
   if (saved->changed) print_out(fmt::format("# saved in {}\n", shown(file)));
-  return done;
+  return robots.empty() || saved->robots > 0 ? done : expectation_failed;
 }
 
 }  // namespace skein::app

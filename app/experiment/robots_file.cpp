@@ -45,6 +45,7 @@ tl::expected<SavedValues, std::string> save_to_robots_file(const std::string& fi
       saved.problems.push_back(fmt::format("{} is not in {}: none of its values was saved", robot.name, file));
       continue;
     }
+    ++saved.robots;
     for (const auto& [key, value] : robot.values) {
       auto with = with_toml_value(changed, fmt::format("robot.{}.{}", there - known->begin() + 1, key), value);
       if (with)

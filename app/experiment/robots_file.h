@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,6 +27,7 @@ struct FoundRobot {
 
 struct SavedValues {
   bool changed = false;
+  std::size_t robots = 0;             ///< how many of them the file has
   std::vector<std::string> problems;  ///< robots that the file does not have, values that cannot be written
 };
 

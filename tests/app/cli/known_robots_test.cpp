@@ -139,6 +139,12 @@ TEST_F(KnownRobotsCommands, AreIdentifiedFromARunAndTheNextRunKnows) {
   EXPECT_NEAR(anna.actuation_delay.value_or(0.0), 0.05, 0.01);
   EXPECT_EQ(next->robots.at(1).drive.wheel_ratio, 1.0);
 
+  write("others.toml", "[[robot]]\nname = \"dora\"\nlink = \"serial:/dev/nowhere\"\n");
+  request.file = path("others.toml");
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(identify(request), expectation_failed) << "none of its robots could be saved";
+  testing::internal::GetCapturedStdout();
+
   fs::copy_file(path("run.csv"), path("copy.csv"));
   request.runs = {path("run.csv"), path("copy.csv")};
   testing::internal::CaptureStderr();
