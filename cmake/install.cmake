@@ -80,6 +80,10 @@ execute_process(COMMAND git -C ${PROJECT_SOURCE_DIR} log -1 --format=%aD OUTPUT_
 if(NOT SKEIN_DATE)
   string(TIMESTAMP SKEIN_DATE "%a, %d %b %Y %H:%M:%S +0000" UTC)
 endif()
+# A package of a later commit is a later version: over one of the same version apt installs nothing, without a word.
+execute_process(COMMAND ${CMAKE_COMMAND} -E env TZ=UTC git -C ${PROJECT_SOURCE_DIR} log -1 --format=%cd
+  --date=format-local:+git%Y%m%d%H%M%S OUTPUT_VARIABLE SKEIN_OF_COMMIT OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
+set(SKEIN_PACKAGE_VERSION ${PROJECT_VERSION}${SKEIN_OF_COMMIT})
 set(SKEIN_MAINTAINER "Skein maintainers <maintainers@skein.invalid>" CACHE STRING "Who answers for the packages: Name <address>")
 configure_file(resources/debian/changelog.in ${CMAKE_BINARY_DIR}/debian/changelog @ONLY)
 configure_file(resources/debian/copyright.in ${CMAKE_BINARY_DIR}/debian/copyright @ONLY)
@@ -93,7 +97,7 @@ endforeach()
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME skein)
 set(CPACK_PACKAGE_VENDOR Skein)
-set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
+set(CPACK_PACKAGE_VERSION ${SKEIN_PACKAGE_VERSION})
 set(CPACK_PACKAGE_CONTACT "${SKEIN_MAINTAINER}")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")  # every package has its own
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
@@ -121,7 +125,7 @@ macro(skein_debian package section summary words)
     endif()
   endforeach()
 endmacro()
-set(exactly "(= ${PROJECT_VERSION})")
+set(exactly "(= ${SKEIN_PACKAGE_VERSION})")
 skein_debian(skein science "real-time lab control for groups of unicycle robots"
   "An overhead camera sees tags on e-puck robots; a coordinated controller with\nmutual coupling and collision avoidance (Kostic, Adinandra, Caarls, Nijmeijer\n2010) keeps them in formation under hard actuator limits, over Bluetooth or\nWiFi. Experiments are files; they run in a window, without one, and simulated."
   RECOMMENDS "gnuplot-nox, fonts-dejavu-core, bluez, qt6-speech-speechd-plugin, speech-dispatcher" SUGGESTS "skein-permissions, skein-bench, xvfb")
@@ -140,5 +144,5 @@ set(CPACK_DEBIAN_SKEIN-PERMISSIONS_PACKAGE_CONTROL_EXTRA
   "${PROJECT_SOURCE_DIR}/resources/debian/postinst;${PROJECT_SOURCE_DIR}/resources/debian/conffiles")
 skein_debian(python3-skein python "Skein's experiments, runs and sweeps from Python"
   "Starts runs and sweeps of Skein and reads their records from a notebook or a\nscript, by the same engine as the command line."
-  DEPENDS "skein (>= ${PROJECT_VERSION}), python3:any" RECOMMENDS "python3-numpy, python3-matplotlib" ARCHITECTURE all)
+  DEPENDS "skein (>= ${SKEIN_PACKAGE_VERSION}), python3:any" RECOMMENDS "python3-numpy, python3-matplotlib" ARCHITECTURE all)
 include(CPack)
