@@ -7,12 +7,14 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <sstream>
 #include <thread>
 
 #include "app/cli/command_line_studies.h"
 #include "app/cli/same_file.h"
 #include "app/experiment/text_file.h"
+#include "app/record/csv_reader.h"
 #include "app/record/report.h"
 #include "app/run/exit_status.h"
 #include "app/run/interrupted.h"
@@ -75,6 +77,10 @@ tl::expected<void, std::string> check_table(const std::string& path, const Study
   for (const std::string& input : {study.file, study.experiment})
     if (same_file(path, input))
       return tl::unexpected(fmt::format("{}: is a file that the study is read from, allowed: another name", path));
+  // A FIFO is not opened: that would wait for its other end.
+  if (std::error_code unknown; std::filesystem::is_regular_file(path, unknown))
+    if (std::ifstream there(path); CsvReader::open(there, path))
+      return tl::unexpected(fmt::format("{}: is the record of a run, allowed: another name", path));
   return check_can_write(path);
 }
 

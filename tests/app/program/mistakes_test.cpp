@@ -811,6 +811,18 @@ TEST_F(Mistakes, AnExportThatIsInterruptedLeavesNothing) {
   }
 }
 
+TEST_F(Mistakes, AStudysTableDoesNotReplaceTheRecordOfARun) {
+  study("");
+  EXPECT_EQ(shell("$skein run e.toml --set duration=1 --csv run.csv --quiet && cp run.csv copy.csv"), 0) << said;
+  for (const std::string command : {"sweep s.toml", "tune tune"}) {
+    EXPECT_EQ(shell("$skein " + command + " --csv run.csv"), 2);
+    EXPECT_THAT(said, HasSubstr("run.csv: is the record of a run, allowed: another name"));
+    EXPECT_EQ(read("run.csv"), read("copy.csv"));
+  }
+  EXPECT_EQ(shell("$skein sweep s.toml --csv table.csv --quiet && $skein sweep s.toml --csv table.csv --quiet"), 0)
+      << "the control: an earlier table " << said;
+}
+
 TEST_F(Mistakes, AProgramThatWasCopiedAloneSaysWhatItLacks) {
   EXPECT_EQ(shell("mkdir -p a/b && cp \"$skein\" \"$skein-bench\" a/b && a/b/skein run platoon"), 2);
   EXPECT_THAT(said, AllOf(HasSubstr("platoon: cannot be read"), HasSubstr("are not beside this program")));
