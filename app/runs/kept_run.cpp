@@ -134,6 +134,7 @@ Done note_file(Json& files, const fs::path& folder, const std::string& name) {
 
 /// A new folder, which no other run uses.
 tl::expected<std::string, std::string> new_folder(const std::string& directory, const std::string& name) {
+  if (auto refused = folder_of_a_run(directory)) return tl::unexpected(*std::move(refused));
   std::error_code error;
   fs::create_directories(directory, error);
   if (error) {

@@ -39,6 +39,12 @@ tl::expected<std::string, std::string> runs_directory(const std::string& asked) 
   return (fs::path(home) / ".local/share/skein/runs").string();
 }
 
+std::optional<std::string> folder_of_a_run(const std::string& directory) {
+  std::error_code unknown;
+  if (!fs::exists(fs::path(directory) / run_files::story, unknown)) return {};
+  return directory + ": is the folder of a kept run itself, allowed: the folder that has the runs";
+}
+
 std::vector<std::string> files_of_run(const std::string& folder) {
   std::vector<std::string> names;
   std::error_code error;

@@ -31,6 +31,9 @@ std::string kept_calibration(std::size_t camera);
 /// The error: none of these is there, since the user has no home.
 tl::expected<std::string, std::string> runs_directory(const std::string& asked);
 
+/// A sentence if the directory is the folder of a single run, to which other runs and an index would not belong.
+std::optional<std::string> folder_of_a_run(const std::string& directory);
+
 /// A sentence if less than `least` bytes are free for runs kept in this directory, which need not exist yet.
 std::optional<std::string> little_room(const std::string& directory, std::uintmax_t least = 1'000'000'000);
 

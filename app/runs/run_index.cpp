@@ -546,6 +546,7 @@ tl::expected<RunIndex, std::string> RunIndex::open(const std::string& directory,
       return tl::unexpected(fmt::format("{}: cannot be read: {}", directory, error.message()));
     return tl::unexpected(fmt::format("{}: there is no such directory: no run has been kept there", directory));
   }
+  if (auto refused = folder_of_a_run(directory)) return tl::unexpected(*std::move(refused));
   const std::string file = (fs::path(directory) / ".index.sqlite").string();
   std::string why;
   bool unwritable = false;

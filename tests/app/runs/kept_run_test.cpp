@@ -245,6 +245,15 @@ TEST(KeptRun, RunsOfOneSecondHaveFoldersOfTheirOwn) {
   EXPECT_EQ(names.size(), 3u);
 }
 
+TEST(KeptRun, IsNotKeptInTheFolderOfAnother) {
+  const Folder folder;
+  const Experiment experiment = paper_experiment();
+  const std::string run = KeptRun::begin({folder.path, "", {}, {}, true}, experiment)->folder();
+  const auto inside = KeptRun::begin({run, "", {}, {}, true}, experiment);
+  ASSERT_FALSE(inside);
+  EXPECT_NE(inside.error().find("is the folder of a kept run itself"), std::string::npos) << inside.error();
+}
+
 TEST(KeptRun, OneThatWasKilledIsThereAndSaysThatItOnlyBegan) {
   const Folder folder;
   const Experiment experiment = paper_experiment();

@@ -210,6 +210,15 @@ TEST(RunIndex, AMinuteThatTheClockShowsTwiceIsToldApartByItsZone) {
   EXPECT_EQ(found(index, "began < 2026-10-25T01:30:05Z"), (Days{"5"}));
 }
 
+TEST(RunIndex, TheFolderOfARunGetsNoIndex) {
+  Folder runs;
+  keep_run(runs, "2026-11-05_120000_a", R"({"began":"2026-11-05T12:00:00.000+01:00"})");
+  const auto index = RunIndex::open(runs / "2026-11-05_120000_a");
+  ASSERT_FALSE(index);
+  EXPECT_NE(index.error().find("allowed: the folder that has the runs"), std::string::npos) << index.error();
+  EXPECT_EQ(files_of_run(runs / "2026-11-05_120000_a"), std::vector<std::string>{"run.json"});
+}
+
 TEST(RunIndex, TheNewestMayBeOfBefore1970) {
   Folder runs;
   keep_run(runs, "a", R"({"began":"1965-10-25T02:59:00.000+02:00"})");
