@@ -187,6 +187,7 @@ void refuse_missing_values(CLI::App& program) {
   for (CLI::Option* option : program.get_options([](const CLI::Option* o) { return !o->get_positional(); }))
     if (option->get_expected_max() != 0)
       option->check([what = option->get_type_name()](const std::string& value) -> std::string {
+        if (value == "-") return "found -, allowed: for a pipe /dev/stdout or /dev/stdin, for a file of this name ./-";
         if (!value.starts_with("--")) return {};
         return fmt::format("{} is missing before {}", what.empty() ? "the value" : what, value);
       });

@@ -28,8 +28,9 @@ tl::expected<void, std::string> write_manual(const CLI::App& program, const std:
                                              const std::string& folder);
 
 /// Makes it an error if an option stands in place of the missing value of another one: `--csv --set rate=10` would
-/// otherwise write a file named "--set". An empty text, as from a script's unset variable, counts as missing, too. Call
-/// it before parsing the program's words.
+/// otherwise write a file named "--set". An empty text, as from a script's unset variable, counts as missing, too. So
+/// does "-", by which other programs mean a pipe: a file would be called so. Call it before parsing the program's
+/// words.
 void refuse_missing_values(CLI::App& program);
 
 /// A completion of the word being typed.

@@ -58,6 +58,10 @@ TEST_F(Manual, AnOptionIsNotTheValueOfAnotherOne) {
   EXPECT_EQ(said("run x --set --quiet"), "--set: KEY=VALUE is missing before --quiet");
   EXPECT_EQ(said("run x --set --speed=max"), "--set: KEY=VALUE is missing before --speed=max");
   EXPECT_EQ(said("run x --set -1 --quiet"), "") << "a negative number is a value";
+  for (const char* const words : {"run x --set -", "run x --set=- --quiet"})
+    EXPECT_EQ(said(words), "--set: found -, allowed: for a pipe /dev/stdout or /dev/stdin, for a file of this name ./-")
+        << "by which other programs mean a pipe";
+  EXPECT_EQ(said("run x --set ./-"), "");
   EXPECT_EQ(said("run --quiet -- --odd"), "") << "a file may be called so, behind --";
   EXPECT_EQ(text, "--odd");
 }
