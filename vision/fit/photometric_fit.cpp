@@ -15,6 +15,12 @@ constexpr double smooth_sigma = 1.2;
 // Sizes share a template within this ratio.
 constexpr double level_ratio = 1.25;
 
+// Blurs that differ by less than this ratio share a template as well: noise does not change it.
+constexpr double focus_ratio = 1.15;
+
+// The most blur of a template, unless a camera in focus blurs by more: from here on tags look more alike. [modules]
+constexpr double most_blur = 0.18;
+
 // A step that moves no corner by more than this needs no successor: the next would be a tenth of it at most. [px]
 constexpr double small_step_px = 0.1;
 
@@ -81,8 +87,9 @@ double tukey(double residual, double scale) {
 }  // namespace
 
 const TagTemplate& TagModel::sharp(double px_per_module) {
-  if (px_per_module > last_from_ && px_per_module < last_to_) return *last_sharp_;
-  const int level = static_cast<int>(std::lround(std::log(px_per_module) / std::log(level_ratio)));
+  const double size = px_per_module * sharp_sigma_px / blur_px_;  // at which a camera in focus sees as much
+  if (size > last_from_ && size < last_to_) return *last_sharp_;
+  const int level = static_cast<int>(std::lround(std::log(size) / std::log(level_ratio)));
   // For as good as all that are rounded to it.
   last_from_ = std::pow(level_ratio, level - 0.499);
   last_to_ = std::pow(level_ratio, level + 0.499);
@@ -91,6 +98,14 @@ const TagTemplate& TagModel::sharp(double px_per_module) {
   const double sigma = sharp_sigma_px / std::pow(level_ratio, level);
   sharp_.emplace_back(level, std::make_unique<TagTemplate>(pattern_, sigma));
   return *(last_sharp_ = sharp_.back().second.get());
+}
+
+bool TagModel::refocus(double blur_px, double px_per_module) {
+  blur_px = std::clamp(blur_px, sharp_sigma_px, std::max(sharp_sigma_px, most_blur * px_per_module));
+  const bool another = blur_px > focus_ratio * blur_px_ || blur_px_ > focus_ratio * blur_px;
+  if (!another) return false;
+  blur_px_ = blur_px;
+  return true;
 }
 
 void TagModel::fetch() const {
@@ -346,19 +361,19 @@ Fit PhotometricFit::fit(const Frame& frame, TagModel& model, const core::Pose& f
   px_per_module_ = map_.px_per_metre() * module_;
   Fit result;
   if (!(px_per_module_ > 0.5 && px_per_module_ < 1e3)) return result;
-  const TagTemplate& tag = model.sharp(px_per_module_);
+  const TagTemplate* sharp = &model.sharp(px_per_module_);
   const double least = least_likeness(px_per_module_);
 
   // As a rule the prediction is good to a pixel. Where it is not, the smooth template leads the sharp one there.
   Look seen;
   result.pose = from;
-  bool arrived = descend(frame, tag, 6, result.pose, seen, result.looks) && seen.correlation >= least;
+  bool arrived = descend(frame, *sharp, 6, result.pose, seen, result.looks) && seen.correlation >= least;
   if (!arrived) {
     result.pose = from;
     aim(from);
     descend(frame, model.smooth(), 6, result.pose, seen, result.looks);
     aim(result.pose);
-    arrived = descend(frame, tag, 10, result.pose, seen, result.looks);
+    arrived = descend(frame, *sharp, 10, result.pose, seen, result.looks);
   }
   const double way = std::hypot(result.pose.x - from.x, result.pose.y - from.y) / module_;
   const bool strayed = way > std::max(longest_way, longest_way_px / px_per_module_) ||
@@ -367,8 +382,25 @@ Fit PhotometricFit::fit(const Frame& frame, TagModel& model, const core::Pose& f
   if (seen.outside) result.verdict = FitVerdict::outside;
   if (!arrived || strayed || seen.correlation < least) return result;
 
-  if (seen.cut) cut_inverse_ = cut_normal_.inverse();
-  Free free = explain(tag, seen);
+  const auto explained = [&] {
+    if (seen.cut) cut_inverse_ = cut_normal_.inverse();
+    return explain(*sharp, seen);
+  };
+  Free free = explained();
+  const auto blur = [&] {
+    const double sharper = std::min(free.solution[TagTemplate::blur_x], free.solution[TagTemplate::blur_y]);
+    return px_per_module_ * blur_of(sharp->sigma, sharper / free.solution[TagTemplate::paper]);
+  };
+  // In a picture of another sharpness, what the columns of blur leave of it moves the tag.
+  if (model.refocus(blur(), px_per_module_)) {
+    sharp = &model.sharp(px_per_module_);
+    ++result.looks;
+    aim(result.pose);
+    if (!look(frame, *sharp, seen) || seen.correlation < least) return result;
+    step(seen.change(), result.pose);
+    free = explained();
+  }
+  const TagTemplate& tag = *sharp;
   const bool covered = free.explained < clean_correlation;
   Eigen::Matrix3d of_step;
   if (covered && seen.cut) {
@@ -407,8 +439,7 @@ Fit PhotometricFit::fit(const Frame& frame, TagModel& model, const core::Pose& f
   result.stretch_sigma = std::sqrt(0.25 * sigma2 * (f(in_x, in_x) + f(in_y, in_y) + 2.0 * f(in_x, in_y)));
   result.strain = std::abs(result.stretch) + std::hypot(0.5 * (stretch[0] - stretch[1]), stretch[2]);
 
-  const double sharper = std::min(free.solution[TagTemplate::blur_x], free.solution[TagTemplate::blur_y]);
-  result.blur_px = px_per_module_ * blur_of(tag.sigma, sharper / free.solution[TagTemplate::paper]);
+  result.blur_px = blur();
 
   // In AprilTag's order.
   constexpr double corner[4][2] = {{-4, -4}, {4, -4}, {4, 4}, {-4, 4}};

@@ -19,8 +19,11 @@ namespace skein::vision::detail {
 class TagModel {
  public:
   explicit TagModel(const TagPattern& pattern) : pattern_(pattern) {}
-  /// The template for a camera in focus, at this module size [px].
+  /// The template for this module size [px], as blurred as the tag was when it was seen last: at first, and at least,
+  /// as by a camera in focus.
   const TagTemplate& sharp(double px_per_module);
+  /// Takes another blur (standard deviation) from now on. false: it is nearly the same as before.
+  bool refocus(double blur_px, double px_per_module);
   /// Blurred by most of a module: a fit to it converges from further away.
   const TagTemplate& smooth();
   /// Prefetches the sharp template that was used last.
@@ -28,8 +31,9 @@ class TagModel {
 
  private:
   TagPattern pattern_;
+  double blur_px_ = sharp_sigma_px;
   const TagTemplate* last_sharp_ = nullptr;
-  double last_from_ = 0.0;  // last_sharp_ is valid above this and below last_to_ [px per module]
+  double last_from_ = 0.0;  // last_sharp_ is valid above this and below last_to_ [px per module, in focus]
   double last_to_ = 0.0;
   std::vector<std::pair<int, std::unique_ptr<TagTemplate>>> sharp_;
   std::unique_ptr<TagTemplate> smooth_;
