@@ -297,7 +297,9 @@ struct CameraViewer::Work {
     }
     auto source = vision::open_source(camera.source, options);
     const std::lock_guard lock(mutex);
-    if (source) newest.camera = (*source)->describe();
+    if (!source) return source;
+    newest.camera = (*source)->describe();
+    if (!live) newest.notices = (*source)->status().remarks;
     return source;
   }
 

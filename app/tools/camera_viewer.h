@@ -54,7 +54,8 @@ struct CameraView {
   std::string problem;           ///< why there are no more pictures; empty: none
   bool over = false;             ///< there are no more
   std::vector<CameraSetting> settings;
-  std::vector<std::string> notices;  ///< about the settings: another value than was asked for, or why one was refused
+  /// About the settings: another value than was asked for, or why one was refused. Of a film: how it is read.
+  std::vector<std::string> notices;
 };
 
 /// Looks through a camera aside: reads its frames, searches them for tags as often as that takes no more than half of a

@@ -192,6 +192,23 @@ TEST_F(CameraPageTest, SaysWhyACameraCannotBeLookedThrough) {
   EXPECT_TRUE(running());
 }
 
+/// Every other row of such a film was taken later, and only the commands said so.
+TEST_F(CameraPageTest, SaysHowAFilmIsReadThatPlayersShowOtherwise) {
+  start(*app::load_experiment(skein::test::in_source("resources/experiments/platoon.toml")));
+  const QTemporaryDir dir;
+  const QString film = dir.filePath(QStringLiteral("film.y4m"));
+  QFile file(film);
+  ASSERT_TRUE(file.open(QFile::WriteOnly));
+  file.write("YUV4MPEG2 W64 H48 F25:1 It C420jpeg\nFRAME\n" + QByteArray(64 * 48 * 3 / 2, '\x80'));
+  file.close();
+  open_page();
+  look_at(QStringLiteral("video:") + film);
+  EXPECT_TRUE(eventually([&] {
+    return find<QLabel>("camera_settings_note")->text().contains(QStringLiteral("its frames are interlaced"));
+  })) << find<QLabel>("camera_settings_note")->text().toStdString()
+      << status().toStdString();
+}
+
 TEST_F(CameraPageTest, IsClosedWhileItsCameraHangs) {
   skein::test::FakeGige fake;
   ASSERT_TRUE(fake.running());
