@@ -21,6 +21,7 @@
 #include "app/session/session.h"
 #include "comms/emulator/pty_emulator.h"
 #include "comms/link_supervisor.h"
+#include "tests/app/folder.h"
 #include "tests/places.h"
 
 namespace skein::app {
@@ -31,17 +32,16 @@ using ::testing::HasSubstr;
 
 class KnownRobotsCommands : public ::testing::Test {
  public:
-  KnownRobotsCommands() : directory(fs::temp_directory_path() / ("skein-robots-" + std::to_string(::getpid()))) {
-    fs::create_directories(directory);
+  KnownRobotsCommands() {
     write("robots.toml",
           "[[robot]]\nname = \"anna\"\nlink = \"rfcomm:10:00:e8:aa:bb:cc/1\"\ntag = 7\nmodel = \"epuck1\"\n\n"
           "[[robot]]\nname = \"bert\"\nlink = \"tcp:192.168.1.20\"\n");
   }
-  ~KnownRobotsCommands() override { fs::remove_all(directory); }
   std::string path(const std::string& name) const { return (directory / name).string(); }
   void write(const std::string& name, const std::string& text) const { std::ofstream(path(name)) << text; }
 
-  fs::path directory;
+  const test::Folder own_folder;
+  const fs::path directory = own_folder.path;
 };
 
 /// `--save` of an experiment by its name would change it for all users of the machine.

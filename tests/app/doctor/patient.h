@@ -1,7 +1,6 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -11,6 +10,7 @@
 #include "app/calibration/calibration_file.h"
 #include "app/doctor/doctor.h"
 #include "app/experiment/experiment_file.h"
+#include "tests/app/folder.h"
 #include "vision/calibration/calibration.h"
 
 namespace skein::app {
@@ -19,9 +19,6 @@ namespace skein::app {
 class Patient {
  public:
   Patient() {
-    static int count = 0;
-    folder = std::filesystem::temp_directory_path() /
-             ("skein-doctor-" + std::to_string(::getpid()) + "-" + std::to_string(++count));
     machine.root = folder.string();
     write("/proc/loadavg", "0.31 0.20 0.10 1/200 4711\n");
     write("/proc/meminfo", "MemTotal: 8000000 kB\nMemAvailable:    4000000 kB\n");
@@ -70,7 +67,6 @@ class Patient {
     lab.robots[0].address = "serial:/dev/ttyACM0";
     examination.experiments.emplace_back((folder / "lab.toml").string(), lab);
   }
-  ~Patient() { std::filesystem::remove_all(folder); }
   Patient(const Patient&) = delete;
   Patient& operator=(const Patient&) = delete;
 
@@ -101,7 +97,8 @@ class Patient {
     return lines;
   }
 
-  std::filesystem::path folder;
+  const test::Folder own_folder;
+  const std::filesystem::path folder = own_folder.path;
   Machine machine;
   Examination examination;
 };

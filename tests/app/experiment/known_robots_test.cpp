@@ -18,6 +18,7 @@
 
 #include "app/experiment/toml_edit.h"
 #include "tests/app/experiment_texts.h"
+#include "tests/app/folder.h"
 #include "tests/files.h"
 
 namespace skein::app {
@@ -41,12 +42,10 @@ constexpr const char* experiment_text =
 
 class KnownRobots : public ::testing::Test {
  protected:
-  KnownRobots() : directory(fs::temp_directory_path() / ("skein-robots-" + std::to_string(::getpid()))) {
-    fs::create_directories(directory);
+  KnownRobots() {
     write("robots.toml", robots_text);
     write("e.toml", experiment_text);
   }
-  ~KnownRobots() override { fs::remove_all(directory); }
   std::string path(const std::string& name) const { return (directory / name).string(); }
   void write(const std::string& name, const std::string& text) const { std::ofstream(path(name)) << text; }
   std::string message() const {
@@ -54,7 +53,8 @@ class KnownRobots : public ::testing::Test {
     return e ? "" : e.error().front().message();
   }
 
-  fs::path directory;
+  const test::Folder own_folder;
+  const fs::path directory = own_folder.path;
 };
 
 TEST_F(KnownRobots, GiveExperimentsWhatTheseDoNotSay) {

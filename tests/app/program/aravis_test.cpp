@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "app/calibration/calibration_file.h"
+#include "tests/app/folder.h"
 #include "tests/files.h"
 #include "tests/places.h"
 #include "tests/vision/aravis/fake_gige.h"
@@ -43,15 +44,11 @@ bool frames_are_whole() {
 /// A folder with the calibration of the fake camera's pictures, and the program, running in it.
 class AravisRun : public testing::Test {
  protected:
-  AravisRun() : folder_(fs::temp_directory_path() / ("skein-aravis-" + std::to_string(::getpid()))) {
-    fs::create_directories(folder_);
-    EXPECT_TRUE(app::save_calibration(vision::overhead_calibration(2.0, 1.5), folder_ / "cal.toml"));
-  }
+  AravisRun() { EXPECT_TRUE(app::save_calibration(vision::overhead_calibration(2.0, 1.5), folder_ / "cal.toml")); }
 
  public:
   ~AravisRun() override {
     if (pid_ != 0) end(SIGKILL);
-    fs::remove_all(folder_);
   }
 
  protected:
@@ -87,7 +84,8 @@ class AravisRun : public testing::Test {
   std::string said() const { return skein::test::read_file(folder_ / "out") + skein::test::read_file(folder_ / "err"); }
 
  private:
-  fs::path folder_;
+  const test::Folder own_folder_;
+  const fs::path folder_ = own_folder_.path;
   pid_t pid_ = 0;
 };
 

@@ -23,6 +23,7 @@
 #include <thread>
 #include <vector>
 
+#include "tests/app/folder.h"
 #include "tests/eventually.h"
 #include "tests/files.h"
 #include "tests/places.h"
@@ -33,23 +34,8 @@ namespace {
 
 const std::string experiments = skein::test::in_source("resources/experiments/");
 
+using skein::test::Folder;
 using skein::test::read_file;
-
-/// A folder of this test alone, gone afterwards.
-class Folder {
- public:
-  Folder()
-      : path(std::filesystem::temp_directory_path() /
-             ("skein-cli-" + std::to_string(::getpid()) + "-" + std::to_string(++count_))) {
-    std::filesystem::create_directories(path);
-  }
-  ~Folder() { std::filesystem::remove_all(path); }
-  std::string operator/(const std::string& name) const { return (path / name).string(); }
-  std::filesystem::path path;
-
- private:
-  static inline int count_ = 0;
-};
 
 /// The program with these words, its output in files.
 class Program {

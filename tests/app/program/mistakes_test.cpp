@@ -13,6 +13,7 @@
 #include <sstream>
 #include <string>
 
+#include "tests/app/folder.h"
 #include "tests/files.h"
 #include "tests/places.h"
 
@@ -28,10 +29,8 @@ using ::testing::Not;
 class Mistakes : public ::testing::Test {
  public:
   Mistakes() {
-    std::filesystem::create_directories(folder_);
     std::filesystem::copy_file(skein::test::in_source("resources/experiments/platoon.toml"), folder_ / "e.toml");
   }
-  ~Mistakes() override { std::filesystem::remove_all(folder_); }
 
   std::string read(const std::string& name) const { return skein::test::read_file(folder_ / name); }
   void write(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
@@ -54,8 +53,8 @@ class Mistakes : public ::testing::Test {
   }
 
   std::string said, out;
-  const std::filesystem::path folder_ =
-      std::filesystem::temp_directory_path() / ("skein-mistakes-" + std::to_string(::getpid()));
+  const skein::test::Folder own_folder_;
+  const std::filesystem::path folder_ = own_folder_.path;
 };
 
 TEST_F(Mistakes, RunsAreRemovedWhereNameAndConditionHold) {

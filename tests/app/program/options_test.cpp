@@ -1,7 +1,6 @@
 // Every command, as its --help says it: an option that it takes stands in its help, its page of the manual and its
 // completion, and it takes no other.
 #include <gmock/gmock.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
@@ -15,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/app/folder.h"
 #include "tests/files.h"
 #include "tests/places.h"
 
@@ -99,7 +99,8 @@ TEST_F(Options, EveryCommandIsFound) {
 }
 
 TEST_F(Options, StandInTheManual) {
-  const auto folder = std::filesystem::temp_directory_path() / ("skein-pages-" + std::to_string(::getpid()));
+  const skein::test::Folder own_folder;
+  const std::filesystem::path folder = own_folder.path;
   EXPECT_EQ(said(skein() + " manual '" + folder.string() + "'"), "");
   std::size_t pages = 0;
   for (const Command& command : commands()) {
@@ -112,7 +113,6 @@ TEST_F(Options, StandInTheManual) {
   }
   EXPECT_EQ(static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder), {})), pages)
       << "a page of no command";
-  std::filesystem::remove_all(folder);
 }
 
 TEST_F(Options, StandInTheCompletion) {

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -12,6 +11,7 @@
 #include <sstream>
 #include <string>
 
+#include "tests/app/folder.h"
 #include "tests/files.h"
 #include "tests/places.h"
 
@@ -30,7 +30,6 @@ class Parts : public ::testing::Test {
         << "[vary]\n\"reference.start\" = [0.0, 4.196]\n[hand]\nt = 1.0\nrobots = 2\n"
         << "[compare]\n\"stiff, coupled\" = [\"controller.gains.k_xx=0.012\"]\n";
   }
-  ~Parts() override { std::filesystem::remove_all(folder_); }
 
   std::string read(const std::string& name) const { return skein::test::read_file(folder_ / name); }
   /// Lines of a shell in the test's folder, `$skein` being the sweep of the study; their exit status.
@@ -42,8 +41,8 @@ class Parts : public ::testing::Test {
     return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
   }
 
-  const std::filesystem::path folder_ =
-      std::filesystem::temp_directory_path() / ("skein-parts-" + std::to_string(::getpid()));
+  const skein::test::Folder own_folder_;
+  const std::filesystem::path folder_ = own_folder_.path;
 };
 
 TEST_F(Parts, MergedAreTheStudyOfOneMachineBitForBit) {

@@ -15,6 +15,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "tests/app/folder.h"
 #include "tests/eventually.h"
 #include "tests/files.h"
 
@@ -36,15 +37,10 @@ namespace fs = std::filesystem;
 
 class DiskWriting : public testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("skein-disk-" + std::to_string(::getpid()));
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
   std::string operator/(const char* name) const { return (folder_ / name).string(); }
   static std::string text(const std::string& path) { return test::read_file(path); }
-  fs::path folder_;
+  const test::Folder own_folder_;
+  const fs::path folder_ = own_folder_.path;
 };
 
 TEST_F(DiskWriting, AFileHasItsNameWhenItIsPublished) {

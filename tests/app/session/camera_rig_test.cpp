@@ -17,6 +17,7 @@
 #include "app/experiment/experiment_file.h"
 #include "app/session/experiment_cameras.h"
 #include "app/session/session.h"
+#include "tests/app/folder.h"
 #include "tests/eventually.h"
 #include "vision/sources/open_source.h"
 #include "vision/synthetic/synthetic_camera.h"
@@ -28,7 +29,8 @@ namespace fs = std::filesystem;
 
 /// A folder with a calibration for 60 mm tags and a film, as pictures, of one tag of 40 mm.
 struct Lab {
-  fs::path folder = fs::temp_directory_path() / ("skein_camera_rig_" + std::to_string(::getpid()));
+  const test::Folder own_folder;
+  const fs::path folder = own_folder.path;
 
   Lab() {
     fs::create_directories(folder / "film");
@@ -46,7 +48,6 @@ struct Lab {
     for (int k = 1; k < 500; ++k)  // 20 s
       fs::create_hard_link(folder / "film" / "0.pgm", folder / "film" / (std::to_string(k) + ".pgm"));
   }
-  ~Lab() { fs::remove_all(folder); }
 
   Experiment experiment(const std::string& calibration, std::vector<std::string> sets = {}) const {
     sets.push_back("camera.source=images:" + (folder / "film").string());
