@@ -40,11 +40,7 @@ Study shipped(const std::string& name) {
 
 /// The study of a text, in a folder of its own beside a copy of the paper's experiment.
 class StudyText : public ::testing::Test {
- public:
-  ~StudyText() override { std::filesystem::remove_all(folder_); }
-
  protected:
-  StudyText() { std::filesystem::create_directories(folder_); }
   tl::expected<Study, std::vector<Problem>> load(const std::string& text) const {
     std::ofstream(folder_ / "study.toml") << text;
     std::ofstream(folder_ / "e.toml") << paper_experiment().source;
@@ -56,9 +52,8 @@ class StudyText : public ::testing::Test {
   }
 
  private:
-  std::filesystem::path folder_ = std::filesystem::temp_directory_path() /
-                                  ("skein-study-" + std::to_string(::testing::UnitTest::GetInstance()->random_seed()) +
-                                   std::to_string(reinterpret_cast<std::uintptr_t>(this)));
+  const test::Folder own_folder_;
+  const std::filesystem::path folder_ = own_folder_.path;
 };
 
 TEST_F(StudyText, SaysWhatIsWrongWithIt) {
