@@ -114,9 +114,9 @@ void add(Json& keys, Names names, const Json& type) {
 // Keys with a structure of their own: types and words. Which of them belong together, and the range of each number, the
 // parser says.
 
-const Json& points() {
-  static const Json array = list_of(numbers(2, 2));
-  return array;
+/// [[x, y], ...]
+Json points() {
+  return list_of(numbers(2, 2));
 }
 
 Json path() {

@@ -140,7 +140,7 @@ void PrintTo(const SchemaTable& table, std::ostream* out) {
   *out << (table.name.empty() ? "the top" : table.name);
 }
 
-const std::string own = "[reference]\nkind = \"independent\"\n";
+const std::string independent = "[reference]\nkind = \"independent\"\n";
 std::vector<std::string> paths(const std::string& before, const std::string& after) {
   std::vector<std::string> files;
   for (const char* shape : {"rounded_rectangle", "circle", "spline", "polyline", "line"})
@@ -151,7 +151,7 @@ const std::vector<SchemaTable> schema_tables{
     {"", "", {"zzz = 1"}},
     {"/reference",
      "reference",
-     {"[reference]\nzzz = 1", "[reference]\nkind = \"formation\"\nzzz = 1", own + "zzz = 1"}},
+     {"[reference]\nzzz = 1", "[reference]\nkind = \"formation\"\nzzz = 1", independent + "zzz = 1"}},
     {"/reference/properties/path", "reference.path", paths("[reference]\npath = ", "")},
     {"/reference/properties/change/items",
      "reference.change.1",
@@ -165,9 +165,10 @@ const std::vector<SchemaTable> schema_tables{
     {"/robot/items/properties/truth", "robot.1.truth", {"[[robot]]\ntruth = { zzz = 1 }"}},
     {"/robot/items/properties/trajectory",
      "robot.1.trajectory",
-     {own + "[[robot]]\ntrajectory = { zzz = 1 }", own + "[[robot]]\ntrajectory = { samples = [], zzz = 1 }"}},
+     {independent + "[[robot]]\ntrajectory = { zzz = 1 }",
+      independent + "[[robot]]\ntrajectory = { samples = [], zzz = 1 }"}},
     {"/robot/items/properties/trajectory/properties/path", "robot.1.trajectory.path",
-     paths(own + "[[robot]]\ntrajectory = { path = ", " }")},
+     paths(independent + "[[robot]]\ntrajectory = { path = ", " }")},
     {"/gain_change/items",
      "gain_change.1",
      {"[[gain_change]]\nzzz = 1", "[[gain_change]]\nk_x = 1\nk_theta = 1\nzzz = 1"}},
