@@ -1,6 +1,4 @@
 // The table of robots: what it says of each, and what can be done with one of them.
-#include <sys/resource.h>
-
 #include <QAbstractItemView>
 #include <QAction>
 #include <QHeaderView>
@@ -10,10 +8,10 @@
 #include <QTabWidget>
 #include <QTableView>
 #include <QToolButton>
-#include <csignal>
 
 #include "operator.h"
 #include "tests/places.h"
+#include "tests/small_disk.h"
 #include "ui/base/dialogs.h"
 #include "ui/plots/plot_view.h"
 #include "ui/plots/plots_panel.h"
@@ -276,19 +274,19 @@ TEST_F(Robots, WithoutAGuardAreSaidToHaveNone) {
                                           "one.toml");
   ASSERT_TRUE(experiment) << experiment.error().front().message();
   experiment->directory = skein::test::in_source("resources/cameras");
-  rlimit before{};
-  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
-  const rlimit nothing{0, before.rlim_max};
-  std::signal(SIGXFSZ, SIG_IGN);
-  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &nothing), 0);  // a marker cannot be written anywhere
   window.show();
   window.activateWindow();
-  window.open(*experiment, false);
-  ASSERT_TRUE(eventually([&] { return live().is_open() && live().latest() != nullptr; }))
-      << live().failure().value_or(QString()).toStdString();
-  EXPECT_TRUE(eventually([&] { return !log_line(QStringLiteral("NO GUARD")).isEmpty(); }));
-  EXPECT_TRUE(eventually([&] { return find<QLabel>("alert")->text().contains(QStringLiteral("NO GUARD")); }));
-  EXPECT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
+  bool open = false, logged = false, alerted = false;
+  {
+    const skein::test::SmallDisk full(0);  // a marker cannot be written anywhere
+    window.open(*experiment, false);
+    open = eventually([&] { return live().is_open() && live().latest() != nullptr; });
+    logged = open && eventually([&] { return !log_line(QStringLiteral("NO GUARD")).isEmpty(); });
+    alerted = logged && eventually([&] { return find<QLabel>("alert")->text().contains(QStringLiteral("NO GUARD")); });
+  }
+  EXPECT_TRUE(open) << live().failure().value_or(QString()).toStdString();
+  EXPECT_TRUE(logged);
+  EXPECT_TRUE(alerted);
   window.close();
   EXPECT_TRUE(eventually([&] { return !window.isVisible(); }));
   robots.terminate();

@@ -1,6 +1,4 @@
 // The run bar: pause, step, speed, recording; and a window that hangs or a disk that is full.
-#include <sys/resource.h>
-
 #include <QComboBox>
 #include <QDir>
 #include <QDockWidget>
@@ -8,13 +6,13 @@
 #include <QSignalSpy>
 #include <QThread>
 #include <chrono>
-#include <csignal>
 #include <fstream>
 #include <thread>
 
 #include "app/replay/replay.h"
 #include "operator.h"
 #include "tests/places.h"
+#include "tests/small_disk.h"
 
 namespace skein::ui::test {
 namespace {
@@ -168,15 +166,11 @@ TEST_F(Run, StopsWhenTheDiskFillsUp) {
   choose_speed(10.0);
   window.record(true);
   ASSERT_TRUE(eventually([&] { return recorded_files().size() == 1; }));
-  // A file that may not grow: to the writer a disk that is full.
-  rlimit before{};
-  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
-  const auto old = std::signal(SIGXFSZ, SIG_IGN);
-  const rlimit small{200000, before.rlim_max};
-  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
-  const bool over = eventually([&] { return stopped(); });
-  setrlimit(RLIMIT_FSIZE, &before);
-  std::signal(SIGXFSZ, old);
+  bool over = false;
+  {
+    const skein::test::SmallDisk disk(200000);
+    over = eventually([&] { return stopped(); });
+  }
   ASSERT_TRUE(over) << "the robots drive on without a record";
   EXPECT_TRUE(eventually([&] {
     return find<QLabel>("alert")->text().contains(QStringLiteral("could not be recorded"));
@@ -187,15 +181,12 @@ TEST_F(Run, GoesOnWithoutAFilmWhenTheDiskFillsUp) {
   const auto experiment = app::load_experiment(skein::test::in_source("resources/experiments/platoon-loopback.toml"));
   ASSERT_TRUE(experiment.has_value());
   window.record(true);  // log and film: the film is by far the larger one
-  rlimit before{};
-  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
-  const auto old = std::signal(SIGXFSZ, SIG_IGN);
-  const rlimit small{1000000, before.rlim_max};
-  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
-  start(*experiment);
-  const bool told = eventually([&] { return logged().contains(QStringLiteral("the film of this run ends here")); });
-  setrlimit(RLIMIT_FSIZE, &before);
-  std::signal(SIGXFSZ, old);
+  bool told = false;
+  {
+    const skein::test::SmallDisk disk(1000000);
+    start(*experiment);
+    told = eventually([&] { return logged().contains(QStringLiteral("the film of this run ends here")); });
+  }
   EXPECT_TRUE(told) << logged().toStdString();
   const std::int64_t tick = record().tick;
   EXPECT_TRUE(eventually([&] { return record().tick >= tick + 25; })) << "the run ended with its film";

@@ -1,18 +1,18 @@
 #include "app/calibration/calibration_file.h"
 
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <Eigen/Geometry>
 #include <array>
-#include <csignal>
 #include <filesystem>
 #include <limits>
+#include <optional>
 
 #include "tests/app/folder.h"
 #include "tests/places.h"
 #include "tests/property.h"
+#include "tests/small_disk.h"
 
 namespace skein::app {
 namespace {
@@ -277,15 +277,10 @@ TEST(CalibrationFile, StaysWholeWhereTheDiskIsFull) {
   const Calibration first = *parse_calibration(good, "cal.toml"), second = *parse_calibration(with("2.5", "2.6"), "");
   const std::string camera = folder / "camera.toml";
   ASSERT_TRUE(save_calibration(first, camera));
-  rlimit before{};
-  ::getrlimit(RLIMIT_FSIZE, &before);
-  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
-  const rlimit full{100, before.rlim_max};
-  ::setrlimit(RLIMIT_FSIZE, &full);
+  std::optional<test::SmallDisk> full(std::in_place, 100);
   const auto saved = save_calibration(second, camera);
   const auto replaced = replace_calibration(second, camera);
-  ::setrlimit(RLIMIT_FSIZE, &before);
-  std::signal(SIGXFSZ, handler);
+  full.reset();
   ASSERT_FALSE(saved);
   EXPECT_NE(saved.error().find("File too large"), std::string::npos) << saved.error();
   ASSERT_FALSE(replaced);

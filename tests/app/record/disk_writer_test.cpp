@@ -4,20 +4,20 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/file.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
 #include <atomic>
-#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <optional>
 
 #include "tests/app/folder.h"
 #include "tests/eventually.h"
 #include "tests/files.h"
+#include "tests/small_disk.h"
 
 namespace {
 std::atomic<off_t> synced_size{-1};  // of the file that was given to the disk last [bytes]
@@ -141,21 +141,17 @@ TEST_F(DiskWriting, RowsAreGivenToTheDiskWhileTheRunGoesOn) {
 
 /// The head and some rows are worth more than nothing; a head alone must not replace an older run.
 TEST_F(DiskWriting, WhatAFullDiskHasTakenOfARunIsKept) {
-  rlimit limits{};
-  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &limits), 0);
-  std::signal(SIGXFSZ, SIG_IGN);  // the limit is then an error of writing, as a full disk is
   for (const bool all_at_once : {true, false}) {
     for (const rlim_t room : {9, 3}) {
       std::ofstream(*this / "run.csv") << "yesterday";
-      const rlimit little{room, limits.rlim_max};
-      ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &little), 0);
+      std::optional<test::SmallDisk> little(std::in_place, room);
       auto disk = DiskWriter::open(*this / "run.csv", {.force = true});
       disk->write("head\n");
       disk->publish();
       if (!all_at_once) (void)disk->flush(10.0);
       disk->write("row 1\nrow 2\n");
       const auto finished = disk->finish(10.0);
-      ::setrlimit(RLIMIT_FSIZE, &limits);
+      little.reset();
       ASSERT_FALSE(finished);
       EXPECT_NE(finished.error().find("File too large"), std::string::npos) << finished.error();
       EXPECT_EQ(text(*this / "run.csv"), room > 5 ? "head\nrow " : "yesterday");

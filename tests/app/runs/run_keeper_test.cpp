@@ -17,7 +17,7 @@
 #include "app/runs/verify.h"
 #include "app/session/session.h"
 #include "tests/app/folder.h"
-#include "tests/app/runs/small_disk.h"
+#include "tests/small_disk.h"
 
 namespace skein::app {
 namespace {
