@@ -579,7 +579,12 @@ TEST_F(Operator, FiltersTheEvents) {
   find<QDoubleSpinBox>("spin_k_yy")->setValue(find<QDoubleSpinBox>("spin_k_yy")->maximum());
   drag(robot(1), robot(1) + QPoint(-30, 0));
   auto* log = find<QAbstractItemView>("event_log");
-  ASSERT_TRUE(eventually([&] { return log->model()->rowCount() >= 3; }));
+  const auto rows_with = [&](int column, const QString& text) {
+    return log->model()->match(log->model()->index(0, column), Qt::DisplayRole, text, -1, Qt::MatchExactly).size();
+  };
+  ASSERT_TRUE(eventually([&] {
+    return rows_with(1, QStringLiteral("!")) > 0 && rows_with(2, QStringLiteral("Robot 2 was moved by hand")) > 0;
+  })) << "of a gain that is held, and of the hand";
   const int all = log->model()->rowCount();
   auto* level = find<QComboBox>("event_level");
   level->setCurrentIndex(2);
