@@ -1,10 +1,12 @@
 #include "ui/window.h"
 
 #include <QApplication>
+#include <QLocale>
 #include <QProxyStyle>
 #include <QSettings>
 #include <QStyleFactory>
 #include <QThread>
+#include <clocale>
 #include <cstdlib>
 
 #include "app/run/exit_status.h"
@@ -78,6 +80,10 @@ void prepare(QApplication& application) {
   QApplication::setApplicationDisplayName(QStringLiteral("Skein"));
   QApplication::setStyle(new StillStyle);
   QApplication::setWindowIcon(program_icon());
+  // Numbers have a decimal point everywhere, as in files and on the command line: Qt's own texts, such as the plots'
+  // ticks, and those of the C libraries, whose locale QApplication has set to the user's.
+  QLocale::setDefault(QLocale::c());
+  std::setlocale(LC_NUMERIC, "C");
   constexpr double smallest = 9.0;  // [pt]: read from an arm's length
   QFont font = QApplication::font();
   if (font.pointSizeF() < smallest) {

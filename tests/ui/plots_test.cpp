@@ -5,6 +5,7 @@
 #include <QToolTip>
 #include <algorithm>
 #include <array>
+#include <clocale>
 #include <cmath>
 #include <functional>
 #include <random>
@@ -300,6 +301,13 @@ class Plots : public Operator {
   }
   QTemporaryDir dir;
 };
+
+// CMakeLists.txt runs it once more as on a desktop that writes decimal commas.
+TEST_F(Plots, HaveADecimalPointAsAllNumbersOfTheWindow) {
+  start();
+  EXPECT_EQ(plots().view().locale().decimalPoint(), QStringLiteral("."));
+  EXPECT_STREQ(std::localeconv()->decimal_point, ".");
+}
 
 TEST_F(Plots, DrawNoWideLinesButTheSelectedRobots) {
   start();  // a line that is wider than a pixel costs several times as much

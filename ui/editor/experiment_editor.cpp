@@ -178,7 +178,7 @@ void ExperimentEditor::offer_draft() {
   offer_->setVisible(differs);
   if (differs)
     offer_text_->setText(tr("There is another text of this experiment, of %1, which nobody saved.")
-                             .arg(QLocale().toString(kept->at, QLocale::ShortFormat)));
+                             .arg(QLocale::system().toString(kept->at, QLocale::ShortFormat)));
 }
 
 void ExperimentEditor::settle_draft(bool use) {
