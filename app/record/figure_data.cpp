@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "core/geometry/pose.h"
@@ -79,6 +80,14 @@ std::string Curve::text() const {
     if (second.t != first.t) lines += fmt::format("{:.9g} {:.6g}\n", second.t, second.value);
   }
   return lines;
+}
+
+Curve::Point Curve::peak() const {
+  Point farthest{none, none};
+  for (const Bucket& bucket : buckets_)
+    for (const Point& point : {bucket.low, bucket.high})
+      if (!(std::abs(point.value) <= std::abs(farthest.value)) && !std::isnan(point.value)) farthest = point;
+  return farthest;
 }
 
 std::uint32_t FloorLine::cell(const Point& point) const {
@@ -174,6 +183,31 @@ std::string FigureData::paths() const {
   return text;
 }
 
+std::string FigureData::peaks(std::size_t panel, Curve Robot::*curve, const Extent& values) const {
+  constexpr std::size_t most = 8;
+  const double wide = curve == &Robot::delta ? 0.12 : 0.06;  // a number of two digits, or two, as a share of a panel
+  constexpr double high = 0.09;
+  struct Peak {
+    double t, value;
+    std::size_t robot;
+  };
+  std::vector<Peak> all, shown;
+  for (std::size_t i = 0; i < robots_.size(); ++i)
+    if (const Curve::Point peak = (robots_[i].*curve).peak(); !std::isnan(peak.value))
+      all.push_back({peak.t, peak.value, i + 1});
+  std::ranges::stable_sort(all, std::greater(), [](const Peak& peak) { return std::abs(peak.value); });
+  const double times = extents_.t.high - extents_.t.low, range = values.high - values.low;
+  for (const Peak& peak : all) {
+    const bool free = std::ranges::none_of(shown, [&](const Peak& other) {
+      return std::abs(peak.t - other.t) < wide * times && std::abs(peak.value - other.value) < high * range;
+    });
+    if (free && shown.size() < most) shown.push_back(peak);
+  }
+  std::string lines;
+  for (const Peak& peak : shown) lines += fmt::format("{:.9g} {:.6g} {}\n", peak.t, peak.value, peak.robot);
+  return block("peaks", panel - 1, lines.empty() ? "0 0 0\n" : lines);
+}
+
 std::string FigureData::errors() const {
   std::string text;
   for (std::size_t i = 0; i < robots_.size(); ++i) {
@@ -182,6 +216,8 @@ std::string FigureData::errors() const {
     text += block("theta", i, robots_[i].theta.text());
     if (i + 1 < robots_.size()) text += block("delta", i, robots_[i].delta.text());
   }
+  text += peaks(1, &Robot::x, extents_.e_xy) + peaks(2, &Robot::y, extents_.e_xy) +
+          peaks(3, &Robot::theta, extents_.e_theta) + peaks(4, &Robot::delta, extents_.delta);
   return text;
 }
 

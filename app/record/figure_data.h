@@ -26,11 +26,13 @@ class Curve {
   void add(double t, double value);
   /// Lines of gnuplot, "t value" each; an empty one breaks the curve.
   std::string text() const;
-
- private:
   struct Point {
     double t, value;
   };
+  /// Where it is farthest from zero, and there first; NaN: no value is known.
+  Point peak() const;
+
+ private:
   struct Bucket {
     Point low{none, none}, high{none, none};
     void include(const Point& point);
@@ -81,7 +83,9 @@ class FigureData final : public RecordSink {
   /// put elsewhere ("x y dx dy", m), $ends_i (where its path begins and ends).
   std::string paths() const;
   /// $x_i, $y_i, $theta_i: the tracking errors ("t error", s and m or rad) in the world's frame, with the reference of
-  /// the formation; $delta_i: the error (37) of the distance to the next robot [m].
+  /// the formation; $delta_i: the error (37) of the distance to the next robot [m]. $peaks_1 to $peaks_4: where
+  /// curves of x, y, theta and delta are farthest from zero ("t error i"): at most eight, those that come farthest, and
+  /// none that another one's number would cover.
   std::string errors() const;
   /// Between what everything lies that is drawn.
   struct Extents {
@@ -102,6 +106,7 @@ class FigureData final : public RecordSink {
     core::Pose first{none, none, none}, last{none, none, none};
     bool began = false;
   };
+  std::string peaks(std::size_t panel, Curve Robot::*curve, const Extent& values) const;
   std::vector<Robot> robots_;
   Extents extents_;
 };

@@ -1,5 +1,5 @@
 # Figure 3 of the paper: where the robots should go (solid) and where they went (dotted), x at both ends of every path,
-# an arrow where somebody put a robot elsewhere.
+# an arrow where somebody put a robot elsewhere. Of more than eight robots, the robot's number at the beginning of its path.
 load "figure3.dat"  # $reference_i, $path_i, $moves_i, $ends_i of robot i; of a long run as much as can be seen
 
 set encoding utf8
@@ -39,6 +39,9 @@ if (rows == 0) { unset key } else {
   set key at screen 0.5, screen 1 - 0.1 / height center top vertical maxrows rows Left reverse samplen 2 width -1
 }
 
+numbers = (n > 8 ? ', for [i=1:n] block("ends", i) every ::0::0 using 1:2:(sprintf("%d", i))' \
+                   . ' with labels offset 0.7, 0.5 font ",6" notitle' : "")
+
 do for [kind in "pdf svg png"] {
   if (kind eq "pdf") { set terminal pdfcairo color enhanced size width cm, height cm font "sans,8" fontscale 0.75 linewidth 1 }
   if (kind eq "svg") { set terminal svg enhanced size width * 37.8, height * 37.8 font "sans,9.6" linewidth 1 background "white" }
@@ -51,6 +54,6 @@ do for [kind in "pdf svg png"] {
        for [i=1:n] block("moves", i) using 1:2:3:4 with vectors \
          head filled size screen 0.02,20 linecolor rgb of(i) linewidth 0.75 dashtype solid notitle, \
        for [i=1:n] for [end=0:1] block("ends", i) every ::end::end using 1:2 with points \
-         pointtype 2 pointsize 0.75 linewidth 1 linecolor rgb of(i) notitle
+         pointtype 2 pointsize 0.75 linewidth 1 linecolor rgb of(i) notitle @numbers
   unset output
 }

@@ -1,6 +1,7 @@
 # Figure 4 of the paper: tracking errors of every robot in the world's frame, e_x = x_ref - x and so on, with the reference
 # of the formation; and the errors in keeping the formation (37). Grey: a robot was put elsewhere. Dashed: the formation
-# had settled again, to 1 cm.
+# had settled again, to 1 cm. Of more than eight robots, the numbers of those whose curves come farthest from zero,
+# where they do.
 load "figure4.dat"  # $x_i, $y_i, $theta_i, $delta_i of robot i; of a long run the lowest and highest values
 
 set encoding utf8
@@ -14,6 +15,11 @@ smaller(a, b) = (a < b ? a : b)
 larger(a, b) = (a > b ? a : b)
 
 block(name, i) = sprintf("$%s_%d", name, i)
+
+# The numbers of more than eight robots; curves that stay near zero have none.
+number(text, value, range) = (abs(value) > 0.05 * range ? text : "")
+numbers(k, scale, range, text) = (n > 8 ? sprintf(', $peaks_%d using 1:(%d * $2):(number(%s, %d * $2, %g))' \
+                                                  . ' with labels font ",6" notitle', k, scale, text, scale, range) : "")
 
 # Ranges with three to six round steps; e_x and e_y have the same one. At least +-1 mm and +-0.05 rad: less is noise.
 nice(step) = (p = 10**floor(log10(step)), f = step / p, p * (f <= 1 ? 1 : f <= 2 ? 2 : f <= 5 ? 5 : 10))
@@ -49,6 +55,11 @@ spread(low, high) = sprintf("set yrange [%g : %g]; set ytics %g", low - 0.08 * (
                             nice((high - low) / 5))
 beside_panel(text) = sprintf("set label 1 '%s' at screen %f, graph 0.5 center rotate", text, 0.27 / width)
 
+numbers_1 = numbers(1, 1000, xy_high - xy_low, 'sprintf("%d", $3)')
+numbers_2 = numbers(2, 1000, xy_high - xy_low, 'sprintf("%d", $3)')
+numbers_3 = numbers(3, 1, theta_high - theta_low, 'sprintf("%d", $3)')
+numbers_4 = numbers(4, 1000, d_high - d_low, 'sprintf("%d,%d", $3, $3 + 1)')
+
 do for [kind in "pdf svg png"] {
   if (kind eq "pdf") { set terminal pdfcairo color enhanced size width cm, height cm font "sans,8" fontscale 0.75 linewidth 1 }
   if (kind eq "svg") { set terminal svg enhanced size width * 37.8, height * 37.8 font "sans,9.6" linewidth 1 background "white" }
@@ -61,17 +72,17 @@ do for [kind in "pdf svg png"] {
   eval begin_key(1, -1.5)
   eval spread(xy_low, xy_high)
   eval beside_panel("{/:Italic e_x} [mm]")
-  plot for [i=1:n] block("x", i) using 1:(1000 * $2) with lines linecolor rgb of(i) title sprintf("robot %d", i)
+  plot for [i=1:n] block("x", i) using 1:(1000 * $2) with lines linecolor rgb of(i) title sprintf("robot %d", i) @numbers_1
 
   unset key
   eval begin_panel(2)
   eval beside_panel("{/:Italic e_y} [mm]")
-  plot for [i=1:n] block("y", i) using 1:(1000 * $2) with lines linecolor rgb of(i)
+  plot for [i=1:n] block("y", i) using 1:(1000 * $2) with lines linecolor rgb of(i) @numbers_2
 
   eval begin_panel(3)
   eval spread(theta_low, theta_high)
   eval beside_panel("{/:Italic e}_θ [rad]")
-  plot for [i=1:n] block("theta", i) using 1:2 with lines linecolor rgb of(i)
+  plot for [i=1:n] block("theta", i) using 1:2 with lines linecolor rgb of(i) @numbers_3
 
   set format x "%g"
   set xlabel "{/:Italic t} [s]" offset 0, 0.4
@@ -81,7 +92,7 @@ do for [kind in "pdf svg png"] {
   eval beside_panel("δ [mm]")
   if (n > 1) {
     plot for [i=1:n-1] block("delta", i) using 1:(1000 * $2) with lines linecolor rgb of_pair(i) \
-           title sprintf("δ_{%d,%d}", i, i + 1)
+           title sprintf("δ_{%d,%d}", i, i + 1) @numbers_4
   } else {
     plot 0 with lines linecolor rgb 0x808080 notitle
   }

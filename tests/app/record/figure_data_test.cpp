@@ -47,7 +47,8 @@ TEST(FigureData, HasAllOfAShortRun) {
   for (std::int64_t tick = 0; tick < ticks; ++tick) figures.record(row(tick, 2));
   // Each block has a line before it and one behind it.
   EXPECT_EQ(lines(figures.paths()), 2u * (ticks + 2) + 2u * (ticks + 2) + 2u * (1 + 2) + 2u * (2 + 2));
-  EXPECT_EQ(lines(figures.errors()), (2u * 3u + 1u) * (ticks + 2));
+  const std::string errors = figures.errors();
+  EXPECT_EQ(lines(errors.substr(0, errors.find("$peaks_1"))), (2u * 3u + 1u) * (ticks + 2));
   EXPECT_EQ(figures.extents().t.high, row(ticks - 1, 2).t);
 }
 

@@ -1,11 +1,13 @@
 // The report: figures that gnuplot really drew, and errors that say what is wrong.
 #include "app/record/report.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -91,9 +93,30 @@ TEST_F(Report, DrawsAnyNumberOfRobotsWithoutPerturbations) {
     ASSERT_TRUE(drawn) << robots << ": " << drawn.error();
     expect_figures();
     const auto n = static_cast<std::size_t>(robots);
-    EXPECT_EQ(curves("figure3"), 5u * n);
-    EXPECT_EQ(curves("figure4"), 3u * n + (n > 1 ? n - 1 : 1));
+    const bool numbered = n > 8;  // beside the paths, and where the errors are largest, in place of a legend
+    EXPECT_EQ(curves("figure3"), (numbered ? 6u : 5u) * n);
+    EXPECT_EQ(curves("figure4"), 3u * n + (n > 1 ? n - 1 : 1) + (numbered ? 4u : 0u));
+    EXPECT_EQ(count(test::read_file(directory / "figure3.svg"), ">9</tspan></text>"), numbered ? 1u : 0u);
   }
+}
+
+/// Their colours come again from robot 9 on. Robot k is k cm beside its place, robot 1 farther than all others.
+TEST_F(Report, TellsWhichOfManyRobotsHadTheLargestErrors) {
+  std::string text = "duration = 2\nreference.kind = \"independent\"\n[arena]\nwidth = 4\nheight = 4\n";
+  for (int k = 1; k <= 12; ++k)
+    text += fmt::format(
+        "[[robot]]\nstart = [{:.2f}, {:.2f}, 0.0]\ntrajectory = {{ path = {{ shape = \"line\", from = [-1.0, {:.2f}],"
+        " to = [1.0, {:.2f}] }} }}\n",
+        -1.0 - (k == 1 ? 0.3 : 0.01 * k), -1.8 + 0.3 * k, -1.8 + 0.3 * k, -1.8 + 0.3 * k);
+  const auto drawn = draw(experiment(text));
+  ASSERT_TRUE(drawn) << drawn.error();
+  const std::string data = test::read_file(directory / "figure4.dat");
+  const std::size_t begin = data.find("$peaks_1 << end\n") + std::strlen("$peaks_1 << end\n");
+  const std::string first = data.substr(begin, data.find('\n', begin) - begin);
+  EXPECT_TRUE(first.ends_with(" 1")) << first;
+  const auto lines = std::ranges::count(data.substr(begin, data.find("end", begin) - begin), '\n');
+  EXPECT_GE(lines, 2);
+  EXPECT_LE(lines, 8) << "numbers that cover one another";
 }
 
 /// Of a robot that drives straight on, the paths take no room across: the numbers of that axis need some.
