@@ -412,7 +412,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
     run_request.words.assign(argv + 1, argv + argc);
     return run(run_request);
   }
-  if ((check_command && !check_law) || (replay_command && !replay_asks && !replay_repairs) ||
+  if ((check_command && !check_law) || (replay_command && !replay_asks && !replay_repairs) || doctor_command ||
       run_commands.may_be_ended())
     end_by_interrupts();
   if (check_command) return check(check_experiment.request(), check_law);

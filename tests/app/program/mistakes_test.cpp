@@ -750,6 +750,10 @@ TEST_F(Mistakes, APageThatIsInterruptedLeavesNothing) {
   }
 }
 
+TEST_F(Mistakes, TheDoctorEndsAtOnceWhenItIsInterrupted) {
+  EXPECT_EQ(shell("timeout --preserve-status -s INT 1 $skein doctor --seconds 30"), 128 + SIGINT) << said;
+}
+
 /// The newest run was not found where the clock is before 1970.
 TEST_F(Mistakes, RowsArriveAtAnIPv4ReceiverThoughLocalhostHasBothProtocols) {
   write("hosts", "127.0.0.1 localhost\n::1 localhost\n");
