@@ -12,6 +12,8 @@
 #include <filesystem>
 #include <utility>
 
+#include "app/run/file_rights.h"
+
 namespace skein::app {
 namespace {
 
@@ -63,17 +65,6 @@ tl::expected<FileChange, std::string> FileChange::begin(const std::string& path)
   }
 }
 
-/// A file that a lab shares stays one, and a private one private: the draft gets owner, group and mode of what it
-/// replaces, as far as this user may give them.
-void FileChange::keep_rights() const {
-  struct stat there {};
-  if (::stat(target_.c_str(), &there) != 0 || !S_ISREG(there.st_mode)) return;
-  mode_t mode = there.st_mode & 07777;
-  if (::fchown(draft_, there.st_uid, there.st_gid) != 0 && ::fchown(draft_, static_cast<uid_t>(-1), there.st_gid) != 0)
-    mode &= ~static_cast<mode_t>(S_IRWXG);  // of another group
-  ::fchmod(draft_, mode);
-}
-
 tl::expected<void, std::string> FileChange::save(std::string_view text) {
   if (::ftruncate(draft_, 0) != 0) return failed(path_);
   for (std::string_view rest = text; !rest.empty();) {
@@ -81,7 +72,7 @@ tl::expected<void, std::string> FileChange::save(std::string_view text) {
     if (count <= 0) return failed(path_);
     rest.remove_prefix(static_cast<std::size_t>(count));
   }
-  keep_rights();
+  keep_rights(target_, draft_);
   // On the disk before it takes the name: a power cut leaves the old file or the new one.
   if (::fsync(draft_) != 0 || std::rename(draft_path().c_str(), target_.c_str()) != 0) return failed(path_);
   ::close(std::exchange(draft_, -1));

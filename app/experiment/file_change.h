@@ -23,7 +23,6 @@ class FileChange {
  private:
   FileChange(std::string path, std::string target, int draft);
   std::string draft_path() const;
-  void keep_rights() const;
 
   std::string path_;    // as it was given
   std::string target_;  // the file itself, where the path is a link

@@ -139,6 +139,20 @@ TEST_F(DiskWriting, RowsAreGivenToTheDiskWhileTheRunGoesOn) {
   ASSERT_TRUE(disk->finish(10.0));
 }
 
+TEST_F(DiskWriting, WhatIsWrittenOverAFileHasItsRights) {
+  std::ofstream(*this / "run.csv") << "yesterday";
+  fs::permissions(*this / "run.csv", fs::perms::owner_read | fs::perms::owner_write);
+  for (const bool whole : {false, true}) {
+    auto disk = DiskWriter::open(*this / "run.csv", {.force = true, .whole = whole});
+    ASSERT_TRUE(disk) << disk.error();
+    disk->write("today\n");
+    disk->publish();
+    ASSERT_TRUE(disk->finish(10.0));
+    EXPECT_EQ(text(*this / "run.csv"), "today\n");
+    EXPECT_EQ(fs::status(*this / "run.csv").permissions(), fs::perms::owner_read | fs::perms::owner_write);
+  }
+}
+
 /// The head and some rows are worth more than nothing; a head alone must not replace an older run.
 TEST_F(DiskWriting, WhatAFullDiskHasTakenOfARunIsKept) {
   for (const bool all_at_once : {true, false}) {

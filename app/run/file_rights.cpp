@@ -1,0 +1,17 @@
+#include "app/run/file_rights.h"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace skein::app {
+
+void keep_rights(const std::string& replaced, int draft) noexcept {
+  struct stat there {};
+  if (::stat(replaced.c_str(), &there) != 0 || !S_ISREG(there.st_mode)) return;
+  mode_t mode = there.st_mode & 07777;
+  if (::fchown(draft, there.st_uid, there.st_gid) != 0 && ::fchown(draft, static_cast<uid_t>(-1), there.st_gid) != 0)
+    mode &= ~static_cast<mode_t>(S_IRWXG);  // of another group
+  ::fchmod(draft, mode);
+}
+
+}  // namespace skein::app
