@@ -113,7 +113,7 @@ void fields(auto& io, one_of<CameraMoved> auto& e) {
   io.optional("marks", e.marks), io.optional("scale", e.scale);
 }
 
-void fields(auto& io, one_of<CamerasDisagree> auto& e) {
+void fields(auto& io, one_of<CamerasDisagree, CamerasDiffer> auto& e) {
   io.number_of('r', e.robot);
   io.number_of('c', e.camera), io.number_of('c', e.other);
   io.named("by", e.by);
@@ -288,10 +288,9 @@ bool is_action(const Event& event) noexcept {
           },
           [](const one_of<Start, Pause, Resume, Stop, Perturb, Kidnap, Schedule, ScheduleTracking, GainHeld,
                           PairGainHeld, Lost, Found, Avoid, Clear, Stage, Staged, Deadlock, NoWay, NoProgress, Outside,
-                          DeadlineMissed, VRise, events::Link, CameraMoved, CamerasDisagree, CameraLost, CameraFound,
-                          events::NotSeen, FilmBroken, events::Controller, NoNumber, Runaway, Obeys> auto&) {
-            return false;
-          },
+                          DeadlineMissed, VRise, events::Link, CameraMoved, CamerasDisagree, CamerasDiffer, CameraLost,
+                          CameraFound, events::NotSeen, FilmBroken, events::Controller, NoNumber, Runaway,
+                          Obeys> auto&) { return false; },
       },
       event);
 }

@@ -234,6 +234,12 @@ struct CamerasDisagree {  ///< two cameras see a robot at different places: one 
   std::size_t camera = 0, other = 0;
   double by = 0.0;  ///< [m]
 };
+struct CamerasDiffer {  ///< they see a robot apart, by less than makes all robots stop: calibrations or clocks differ
+  static constexpr std::string_view word = "cameras_differ";
+  std::size_t robot = 0;
+  std::size_t camera = 0, other = 0;
+  double by = 0.0;  ///< [m]
+};
 struct CameraLost {  ///< one of several cameras delivers no frames
   static constexpr std::string_view word = "camera_lost";
   std::size_t camera = 0;
@@ -292,15 +298,15 @@ struct NoNumber {  ///< the law's output is not a number, or excessive: the robo
 }  // namespace events
 
 /// An event of a tick; `describe` gives its words for the log.
-using Event =
-    std::variant<events::Start, events::Pause, events::Resume, events::Stop, events::Perturb, events::Kidnap,
-                 events::Move, events::Hold, events::Release, events::Kick, events::PutObstacle, events::Gain,
-                 events::Schedule, events::GainHeld, events::PairGain, events::PairGainHeld, events::Couple,
-                 events::Uncouple, events::Lost, events::Found, events::Avoid, events::Clear, events::Stage,
-                 events::Staged, events::Deadlock, events::DeadlineMissed, events::VRise, events::Link,
-                 events::CameraMoved, events::NotSeen, events::FilmBroken, events::NoWay, events::NoProgress,
-                 events::Outside, events::Controller, events::NoNumber, events::CamerasDisagree, events::CameraLost,
-                 events::CameraFound, events::Runaway, events::Obeys, events::Parameter, events::ScheduleTracking>;
+using Event = std::variant<events::Start, events::Pause, events::Resume, events::Stop, events::Perturb, events::Kidnap,
+                           events::Move, events::Hold, events::Release, events::Kick, events::PutObstacle, events::Gain,
+                           events::Schedule, events::GainHeld, events::PairGain, events::PairGainHeld, events::Couple,
+                           events::Uncouple, events::Lost, events::Found, events::Avoid, events::Clear, events::Stage,
+                           events::Staged, events::Deadlock, events::DeadlineMissed, events::VRise, events::Link,
+                           events::CameraMoved, events::NotSeen, events::FilmBroken, events::NoWay, events::NoProgress,
+                           events::Outside, events::Controller, events::NoNumber, events::CamerasDisagree,
+                           events::CameraLost, events::CameraFound, events::Runaway, events::Obeys, events::Parameter,
+                           events::ScheduleTracking, events::CamerasDiffer>;
 static_assert(std::is_trivially_copyable_v<Event>, "the tick and its channels copy events without allocating");
 
 /// For std::visit: one function for each alternative. An alternative that is in none of them does not compile.

@@ -155,6 +155,8 @@ void ControlLoop::ask_controller() noexcept {
 
 /// If the tick has stopped all robots because of a bumped camera, so do the links.
 void ControlLoop::heed_camera(const TickRecord& record) noexcept {
+  for (const Event& event : record.events)
+    if (const auto* const differ = std::get_if<events::CamerasDiffer>(&event)) differences_.push(*differ);
   if (record.phase != Phase::stopped || camera_moved_.load(std::memory_order_relaxed)) return;
   for (const Event& event : record.events)
     if (is<events::CameraMoved, events::CamerasDisagree>(event)) {

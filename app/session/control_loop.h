@@ -96,6 +96,8 @@ class ControlLoop {
   std::optional<Event> camera_moved() const noexcept {
     return camera_moved_.load(std::memory_order_acquire) ? std::optional(motion_) : std::nullopt;
   }
+  /// The next two cameras that see a robot apart, if there are any. One caller at a time.
+  bool take(events::CamerasDiffer& differ) noexcept { return differences_.pop(differ); }
   /// Set when the control thread failed; the reason may be read then.
   bool failed() const noexcept { return failed_.load(std::memory_order_acquire); }
   const std::string& reason() const noexcept { return reason_; }
@@ -139,6 +141,7 @@ class ControlLoop {
 
   boost::lockfree::spsc_queue<OperatorCommand> commands_;
   boost::lockfree::spsc_queue<Gesture> hand_;
+  boost::lockfree::spsc_queue<events::CamerasDiffer, boost::lockfree::capacity<256>> differences_;
   TickInput input_;
   std::vector<OperatorCommand> obeyed_;  // by this tick; commands whose events have no room wait for the next
   std::vector<core::Measurement> newest_;

@@ -122,4 +122,7 @@ std::string camera_moved_sentence(const Experiment& experiment, const events::Ca
 /// Why a run ends after two cameras disagree.
 std::string camera_stop_sentence(const events::CamerasDisagree& differ);
 
+/// Two cameras see a robot apart, and nobody stops for it.
+std::string cameras_differ_sentence(const events::CamerasDiffer& differ);
+
 }  // namespace skein::app

@@ -11,8 +11,10 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "app/controllers/own_controller.h"
 #include "app/experiment/experiment.h"
@@ -173,6 +175,14 @@ struct SessionWiring {
       fail(camera_moved_sentence(experiment, *bumped, "STOP"));
     if (const auto* const differ = std::get_if<events::CamerasDisagree>(&*moved)) fail(camera_stop_sentence(*differ));
   }
+  /// Of any two, once: a start begins their comparison anew.
+  void tell_of_differences() {
+    for (events::CamerasDiffer differ; loop->take(differ);)
+      if (differences_told.emplace(std::minmax(differ.camera, differ.other)).second) {
+        const std::lock_guard lock(failure_mutex);
+        alarms.push_back(cameras_differ_sentence(differ));
+      }
+  }
 
   /// Set if the marks on the floor, or the size of all tags, show that the camera has moved: then no robot may drive,
   /// unless the file allows it.
@@ -190,6 +200,7 @@ struct SessionWiring {
   void watch() {
     const Phase phase = loop->phase();
     heed_camera();
+    tell_of_differences();
     if (loop->failed()) fail(loop->reason());
     if (const double gap = loop->stood_still(); gap > 0.0) fail(stood_still_sentence(gap));
     if (phase == Phase::stopped || phase == Phase::finished) return;
@@ -265,7 +276,8 @@ struct SessionWiring {
   bool recorded = true;                 // on the virtual clock: no sink has failed
   bool closed = false;
   bool told_of_controller = false;
-  std::vector<double> loss_told_at;  // of each robot; the supervisor's [s]
+  std::set<std::pair<std::size_t, std::size_t>> differences_told;  // cameras; the supervisor's
+  std::vector<double> loss_told_at;                                // of each robot; the supervisor's [s]
   mutable std::mutex failure_mutex;
   std::optional<std::string> failure;
 };

@@ -222,6 +222,7 @@ void TickState::accept_measurements(std::size_t i, const TickInput& input) noexc
       note(events::CamerasDisagree{i, c, outcome.disagreement->other, outcome.disagreement->distance});
       stop_for_camera();
     }
+    if (outcome.difference) note(events::CamerasDiffer{i, c, outcome.difference->other, outcome.difference->distance});
     if (outcome.expected && running())
       note(events::Kidnap{i, m.pose.x - outcome.expected->x, m.pose.y - outcome.expected->y,
                           core::wrap_angle(m.pose.theta - outcome.expected->theta)});
@@ -589,9 +590,8 @@ bool may_raise_v(const Event& event) noexcept {
           [](const one_of<Start, Pause, Resume, Stop, PutObstacle, Gain, Schedule, ScheduleTracking, GainHeld, PairGain,
                           PairGainHeld, Parameter, Couple, Uncouple, Avoid, Clear, events::Stage, Staged, Deadlock,
                           NoWay, NoProgress, Outside, DeadlineMissed, VRise, events::Link, CameraMoved, CamerasDisagree,
-                          CameraLost, CameraFound, events::NotSeen, FilmBroken, events::Controller, NoNumber> auto&) {
-            return false;
-          },
+                          CamerasDiffer, CameraLost, CameraFound, events::NotSeen, FilmBroken, events::Controller,
+                          NoNumber> auto&) { return false; },
       },
       event);
 }

@@ -14,6 +14,8 @@ CameraFusion::CameraFusion(std::size_t robots, std::size_t cameras, const Filter
       parameters_(parameters),
       bridge_(bridge),
       seen_(robots * cameras),
+      apart_(robots * (cameras * (cameras - 1) / 2)),
+      told_(cameras * (cameras - 1) / 2),
       believed_(robots) {
   in_order_.reserve(cameras);
 }
@@ -21,6 +23,8 @@ CameraFusion::CameraFusion(std::size_t robots, std::size_t cameras, const Filter
 void CameraFusion::forget() noexcept {
   for (Seen& each : seen_) each = {};
   for (Measurement& each : believed_) each = {};
+  for (Apart& each : apart_) each = {};
+  for (std::uint8_t& each : told_) each = 0;
 }
 
 std::span<const std::size_t> CameraFusion::news(std::size_t robot, std::span<const Measurement> measurements) noexcept {
@@ -40,12 +44,48 @@ CameraFusion::Outcome CameraFusion::take(std::size_t robot, std::size_t camera, 
                                          PoseFilter& filter, double now) noexcept {
   const Measurement before = std::exchange(seen_[camera * robots_ + robot].newest, measurement);
   Measurement fused = measurement;
+  std::optional<Disagreement> difference;
   if (cameras_ > 1) {
+    difference = compare(robot, camera, measurement, filter);
     const Verdict verdict = reconcile(robot, camera, before.captured_at, filter, now, fused);
-    if (!verdict.agrees) return {.expected = {}, .disagreement = verdict.disagreement};
+    if (!verdict.agrees) return {.expected = {}, .disagreement = verdict.disagreement, .difference = difference};
   }
   if (measurement.captured_at > believed_[robot].captured_at) believed_[robot] = measurement;
-  return {.expected = filter.fuse(parameters_, fused), .disagreement = {}};
+  return {.expected = filter.fuse(parameters_, fused), .disagreement = {}, .difference = difference};
+}
+
+/// A robot that a hand moves, or that does not drive as commanded, is not where it was in another camera's frame
+/// either; but which of the two sees it ahead then changes with each frame.
+std::optional<CameraFusion::Disagreement> CameraFusion::compare(std::size_t robot, std::size_t camera,
+                                                                const Measurement& m,
+                                                                const PoseFilter& filter) noexcept {
+  constexpr double lasting = 0.5;   // [s]
+  constexpr int enough = 10;        // measurements
+  constexpr double unlikely = 4.0;  // standard deviations
+  std::optional<Disagreement> found;
+  for (std::size_t other = 0; other < cameras_; ++other) {
+    const Measurement& by_other = newest(robot, other);
+    if (other == camera || !(std::abs(m.captured_at - by_other.captured_at) <= bridge_)) continue;
+    const std::size_t p = pair(std::min(camera, other), std::max(camera, other));
+    Apart& apart = apart_[robot * told_.size() + p];
+    const double at = std::max(m.captured_at, by_other.captured_at);
+    const Pose here = filter.predict(m, at), there = filter.predict(by_other, at);
+    const double sign = camera > other ? 1.0 : -1.0;
+    const Pose way{sign * (here.x - there.x), sign * (here.y - there.y), 0.0};
+    const bool goes_on = apart.count == 0 ||
+                         (m.captured_at - apart.newest <= bridge_ && way.x * apart.sum.x + way.y * apart.sum.y > 0.0);
+    if (!goes_on) apart = {};
+    if (math::hypot(way.x, way.y) <= slight + unlikely * math::hypot(m.sigma_xy, by_other.sigma_xy)) {
+      apart = {};
+      continue;
+    }
+    if (apart.count++ == 0) apart.since = m.captured_at;
+    apart.newest = m.captured_at;
+    apart.sum = {apart.sum.x + way.x, apart.sum.y + way.y, 0.0};
+    if (apart.count < enough || apart.newest - apart.since < lasting || std::exchange(told_[p], 1) != 0) continue;
+    found = Disagreement{other, math::hypot(apart.sum.x, apart.sum.y) / apart.count};
+  }
+  return found;
 }
 
 /// Makes a camera's measurement agree with those of the others that see the robot, or says that they contradict it.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -15,10 +16,14 @@ namespace skein::core {
 /// robot that another camera has just seen where it should be has not been carried: a jump is believed when every
 /// camera that sees the robot reports it. Cameras that go on to differ have been moved. Smaller differences are those
 /// of calibrations: a camera that joins the others is shifted to where they see the robot before it counts, and when
-/// they no longer see it, the shift fades, so that no pose jumps at a seam. With one camera, all measurements pass.
+/// they no longer see it, the shift fades, so that no pose jumps at a seam. Two cameras that go on to see a robot more
+/// than `slight` apart are named, though nobody contradicts anybody. With one camera, all measurements pass.
 /// Allocates in its constructor only.
 class CameraFusion {
  public:
+  /// Calibrations, and clocks of cameras, agree better than this. [m]
+  static constexpr double slight = 0.005;
+
   /// `bridge`: a measurement that is older than the newest one by more than this no longer counts [s].
   CameraFusion(std::size_t robots, std::size_t cameras, const FilterParameters& parameters, double bridge);
 
@@ -40,6 +45,7 @@ class CameraFusion {
   struct Outcome {
     std::optional<Pose> expected;              ///< where the robot should be: it has been carried elsewhere
     std::optional<Disagreement> disagreement;  ///< only once, when it becomes certain
+    std::optional<Disagreement> difference;    ///< more than `slight`, but none that contradicts; once for two cameras
   };
   /// Takes in one of the news, at the time `now` [s].
   Outcome take(std::size_t robot, std::size_t camera, const Measurement& measurement, PoseFilter& filter,
@@ -60,14 +66,26 @@ class CameraFusion {
     bool agrees;
     std::optional<Disagreement> disagreement = {};
   };
+  struct Apart {                                        // two cameras that see a robot
+    double since = Measurement::never, newest = since;  // of measurements that are more than slightly apart [s]
+    Pose sum;                                           // of the vectors from the first camera's to the second's
+    int count = 0;
+  };
+  std::size_t pair(std::size_t first, std::size_t second) const noexcept {
+    return second * (second - 1) / 2 + first;  // first < second
+  }
+  std::optional<Disagreement> compare(std::size_t robot, std::size_t camera, const Measurement& m,
+                                      const PoseFilter& filter) noexcept;
   Verdict reconcile(std::size_t robot, std::size_t camera, double seen_before_at, const PoseFilter& filter, double now,
                     Measurement& m) noexcept;
   bool align(Seen& seen, const PoseFilter& filter, const Measurement& m, double now) const noexcept;
 
   std::size_t robots_, cameras_;
   FilterParameters parameters_;
-  double bridge_;           // [s]
-  std::vector<Seen> seen_;  // robot i by camera c at c * robots + i
+  double bridge_;                   // [s]
+  std::vector<Seen> seen_;          // robot i by camera c at c * robots + i
+  std::vector<Apart> apart_;        // of robot i: pair p at i * pairs + p
+  std::vector<std::uint8_t> told_;  // by pair: how far apart they are has been said
   std::vector<Measurement> believed_;
   std::vector<std::size_t> in_order_;
 };

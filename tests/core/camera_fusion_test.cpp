@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <functional>
+#include <optional>
 #include <vector>
 
 #include "lab.h"
@@ -121,6 +124,65 @@ TEST(CameraFusion, APoseDoesNotJumpWhereCalibrationsDifferButFadesToTheCameraTha
     before = floor.pose().x;
   }
   EXPECT_NEAR(before, 0.11, 1e-3);
+}
+
+/// What is said of two cameras in `seconds`, the second of which sees the robot `apart` from where the first does.
+struct Said {
+  Said(Floor& floor, double seconds, const std::function<double(double)>& apart) {
+    const Pose at = floor.poses[0];
+    for (const double end = floor.now + seconds; floor.now < end;) {
+      floor.poses[1] = {at.x, at.y + apart(floor.now), at.theta};
+      for (const CameraFusion::Outcome& outcome : floor.frame()) {
+        if (outcome.difference) differences.push_back(*outcome.difference);
+        if (outcome.disagreement && !disagreed_at) disagreed_at = floor.now - dt;
+      }
+    }
+  }
+  std::vector<CameraFusion::Disagreement> differences;
+  std::optional<double> disagreed_at;
+};
+
+TEST(CameraFusion, SaysOnceOfTwoCamerasThatGoOnToSeeARobotApart) {
+  Floor floor;
+  const Said said(floor, 3.0, [](double) { return 0.008; });
+  ASSERT_EQ(said.differences.size(), 1U);
+  EXPECT_NEAR(said.differences[0].distance, 0.008, 1e-6);
+  EXPECT_FALSE(said.disagreed_at);
+  floor.fusion.forget();
+  floor.filter.forget();
+  EXPECT_EQ(Said(floor, 0.4, [](double) { return 0.008; }).differences.size(), 0U) << "it has to last";
+  EXPECT_EQ(Said(floor, 0.4, [](double) { return 0.008; }).differences.size(), 1U) << "a start begins anew";
+}
+
+TEST(CameraFusion, SaysNothingOfCalibrationsThatDifferALittleOrForAMoment) {
+  Floor floor;
+  EXPECT_TRUE(Said(floor, 3.0, [](double) { return 0.005; }).differences.empty());
+  EXPECT_TRUE(Said(floor, 3.0, [](double t) { return std::fmod(t, 0.5) < 0.3 ? 0.008 : 0.004; }).differences.empty());
+}
+
+/// At 0.4 m/s and by cameras that are out of step by 5 ms, so that each but the newest frame is up to 14 mm behind.
+TEST(CameraFusion, ARobotThatAHandMovesIsWhereBothCamerasSeeIt) {
+  CameraFusion fusion{1, 2, {}, 0.2};
+  PoseFilter filter;
+  int differences = 0;
+  for (int k = 0; k < 200; ++k) {
+    const std::size_t camera = k % 2;
+    const double t = dt * (k / 2) + 0.005 * static_cast<double>(camera);
+    const Measurement m{{0.4 * t, 0.0, 0.0}, t, 1e-4, 1e-3};
+    differences += fusion.take(0, camera, m, filter, t).difference ? 1 : 0;
+  }
+  EXPECT_EQ(differences, 0);
+}
+
+/// A camera that sags while both see the robot, at 5 mm/s.
+TEST(CameraFusion, ADifferenceThatGrowsIsSaidAndThenContradicts) {
+  Floor floor;
+  const auto apart = [](double t) { return std::fmax(0.0, 0.005 * (t - 1.0)); };
+  const Said said(floor, 12.0, apart);
+  ASSERT_EQ(said.differences.size(), 1U);
+  EXPECT_LT(said.differences[0].distance, 0.008);
+  ASSERT_TRUE(said.disagreed_at);
+  EXPECT_LT(apart(*said.disagreed_at), 0.025);
 }
 
 }  // namespace

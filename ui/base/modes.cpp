@@ -86,9 +86,8 @@ Severity severity(const app::Event& event) {
             return Severity::alarm;
           },
           [](const one_of<DeadlineMissed, Kidnap, Hold, GainHeld, PairGainHeld, VRise, app::events::Link,
-                          app::events::NotSeen, FilmBroken, NoWay, NoProgress, Controller, NoNumber> auto&) {
-            return Severity::warning;
-          },
+                          app::events::NotSeen, CamerasDiffer, FilmBroken, NoWay, NoProgress, Controller,
+                          NoNumber> auto&) { return Severity::warning; },
           [](const one_of<Found, Obeys, CameraFound> auto&) { return Severity::good; },
           [](const one_of<Start, Perturb, Move, Kick, Release, PutObstacle, Gain, PairGain, Parameter, Couple, Uncouple,
                           Schedule, ScheduleTracking, Pause, Resume> auto&) { return Severity::notice; },

@@ -1,6 +1,7 @@
 #include "ui/base/sentence.h"
 
 #include <QRegularExpression>
+#include <algorithm>
 #include <cmath>
 
 #include "ui/base/number_text.h"
@@ -125,6 +126,14 @@ QString sentence(const app::Event& event) {
                       "calibrated again")
                 .arg(e.camera + 1)
                 .arg(e.other + 1)
+                .arg(e.robot + 1)
+                .arg(1000.0 * e.by, 0, 'f', 0);
+          },
+          [&](const CamerasDiffer& e) {
+            return tr("Cameras %1 and %2 see robot %3 %4 mm apart: their calibrations do not agree, or the time stamps "
+                      "of one are late")
+                .arg(std::min(e.camera, e.other) + 1)
+                .arg(std::max(e.camera, e.other) + 1)
                 .arg(e.robot + 1)
                 .arg(1000.0 * e.by, 0, 'f', 0);
           },
