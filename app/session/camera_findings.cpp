@@ -11,6 +11,7 @@
 
 #include "app/session/experiment_cameras.h"
 #include "app/session/picture_copy.h"
+#include "vision/tags/tag_plane.h"
 
 namespace skein::app {
 
@@ -32,6 +33,7 @@ CameraFindings::CameraFindings(const Experiment& experiment, std::size_t number,
       sights_(sights),
       wall_clock_(wall_clock),
       absences_(experiment.robots.size()),
+      expected_(experiment.cameras() > 1 ? experiment.robots.size() : 0),
       scale_watch_(calibration),
       mark_watch_(calibration, wanted_tags(experiment)),
       why_lost_(experiment.robots.size()) {
@@ -65,8 +67,7 @@ void CameraFindings::thread(const std::stop_token& stop) {
     question.reset();
   };
   while (asked_.wait(lock, stop, [this] { return absence_ || floor_; })) {
-    work_on(absence_, "the reason why a tag is not seen",
-            [this](const Question& question) { explain(question.frame, question.missing); });
+    work_on(absence_, "the reason why a tag is not seen", [this](const Question& question) { explain(question); });
     work_on(floor_, "whether the camera has moved", [this](const vision::Frame& frame) { look_at_marks(frame); });
   }
 }
@@ -99,6 +100,8 @@ vision::MissingTag CameraFindings::missing_tag(std::size_t robot, const core::Me
 
 UnseenTag CameraFindings::unseen_tag(const vision::Frame& frame, const vision::TagDiagnosis& tag) const {
   UnseenTag unseen{tag.tag, tag.why, vision::sentence(tag, calibration_)};
+  if (tag.why == core::NotSeen::at_border && experiment_.cameras() > 1)
+    unseen.sentence = fmt::format("the border of this picture cuts tag {}, and no other camera sees it", tag.tag);
   if (tag.size > 0.0) unseen.size = tag.size;
   const vision::Frame crop = vision::picture_of(frame, tag);
   if (crop.width == 0) return unseen;
@@ -122,7 +125,8 @@ std::vector<UnseenTag> CameraFindings::why_not_seen(const vision::Frame& frame,
 
 /// For each robot that was seen and has not been seen for half a second, the reason is requested once, from the camera
 /// that saw it last. One frame serves for all of them.
-void CameraFindings::watch_absences(const vision::Frame& frame, std::span<const core::Measurement> tags) {
+void CameraFindings::watch_absences(const vision::Frame& frame, std::span<const core::Measurement> tags,
+                                    std::span<const vision::SeenElsewhere> elsewhere) {
   constexpr double between = 2.0, between_searches = 5.0;  // [s]
   const double now = frame.captured_at;
   missing_.clear();
@@ -135,33 +139,86 @@ void CameraFindings::watch_absences(const vision::Frame& frame, std::span<const 
     if (tag.captured_at >= now || (!tag.ever_seen() && search)) absences_[i].seen(now);
     if (absences_[i].due(now) && sights_.newest(i) <= tag.captured_at) missing_.push_back(missing_tag(i, tag));
   }
+  expect_here(frame, tags, elsewhere);
   if (missing_.empty() || now < next_absence_) return;
   if (wall_clock_) {
     const std::unique_lock lock(mutex_, std::try_to_lock);
     if (!lock || absence_) return;
-    absence_.emplace(Question{frame, missing_});
+    absence_.emplace(Question{frame, missing_, seen_elsewhere_});
     asked_.notify_all();
     next_absence_ = now + between;
   }
   for (std::size_t i = 0; i < absences_.size(); ++i)
     for (const vision::MissingTag& tag : missing_)
-      if (wanted_[i] == tag.tag) absences_[i].ask();
-  if (!wall_clock_) explain(frame, missing_);
+      if (wanted_[i] == tag.tag) (seen_elsewhere_.count(tag.tag) > 0 ? expected_[i].absence : absences_[i]).ask();
+  if (!wall_clock_) explain({frame, missing_, seen_elsewhere_});
 }
 
-void CameraFindings::explain(const vision::Frame& frame, std::span<const vision::MissingTag> missing) {
+bool CameraFindings::shows(const vision::Frame& frame, const core::Pose& pose) const {
+  const auto at = vision::pixel_from_world(calibration_, {pose.x, pose.y, calibration_.tag_height});
+  const double reach = 1.5 * vision::tag_edge_px(calibration_);  // nearer to the border a tag may be cut by it
+  return at && at->x() >= reach && at->y() >= reach && at->x() <= frame.width - 1.0 - reach &&
+         at->y() <= frame.height - 1.0 - reach;
+}
+
+/// Robots that another camera sees, or has seen last, where this one should see them too: without this nobody would
+/// know of a camera that is blind until a robot drives under it alone.
+void CameraFindings::expect_here(const vision::Frame& frame, std::span<const core::Measurement> tags,
+                                 std::span<const vision::SeenElsewhere> elsewhere) {
+  const double now = frame.captured_at;
+  seen_elsewhere_.clear();
+  for (std::size_t i = 0; i < expected_.size(); ++i) {
+    auto& [pose, absence] = expected_[i];
+    const auto by_other = std::find_if(elsewhere.begin(), elsewhere.end(),
+                                       [&](const vision::SeenElsewhere& seen) { return seen.tag == wanted_[i]; });
+    if (tags[i].captured_at >= now)
+      pose.reset();
+    else if (by_other != elsewhere.end())
+      pose = shows(frame, by_other->pose) ? std::optional(by_other->pose) : std::nullopt;
+    else if (!absence.lasts(now))
+      pose.reset();  // whatever hides it hides it from all
+    if (!pose) {
+      absence.seen(now);
+      continue;
+    }
+    const auto asked = [&](const vision::MissingTag& one) { return one.tag == wanted_[i]; };
+    if (!absence.due(now) || std::any_of(missing_.begin(), missing_.end(), asked)) continue;
+    missing_.push_back(missing_tag(i, tags[i]));
+    missing_.back().last = pose;
+    seen_elsewhere_.insert(wanted_[i]);
+  }
+}
+
+void CameraFindings::explain(const Question& question) {
+  const vision::Frame& frame = question.frame;
+  const std::vector<vision::MissingTag>& missing = question.missing;
   if (!size_fault(frame, calibration_).empty()) return;
   const std::vector<UnseenTag> unseen = why_not_seen(frame, missing);
   const std::lock_guard lock(mutex_);
   for (const UnseenTag& tag : unseen) {
     const std::size_t robot = robot_of(tag.tag);
     why_lost_[robot] = tag;
+    if (question.seen_elsewhere.count(tag.tag) > 0) {
+      tell_of_seen_elsewhere(tag);
+      continue;
+    }
     const bool ever = std::any_of(missing.begin(), missing.end(),
                                   [&](const vision::MissingTag& one) { return one.tag == tag.tag && one.last; });
     if (!ever) continue;  // it is no news that it is not there
     found_.push(events::NotSeen{robot, tag.why});
     alarms_.push_back(fmt::format("{}robot {} is lost: {}", prefix_, robot + 1, tag.text()));
   }
+}
+
+/// Under the mutex.
+void CameraFindings::tell_of_seen_elsewhere(const UnseenTag& tag) {
+  if (tag.why == core::NotSeen::at_border) return;
+  std::string sentence = fmt::format("{}robot {} is not seen, though another camera sees it where this one looks: {}",
+                                     prefix_, robot_of(tag.tag) + 1, tag.text());
+  if (tag.why == core::NotSeen::not_found)
+    sentence +=
+        "; if nothing hides it, one of the calibrations is another camera's, or its floor has another origin or axes";
+  alarms_.push_back(std::move(sentence));
 }
 
 std::vector<UnseenTag> CameraFindings::why_lost() const {

@@ -48,8 +48,10 @@ class CameraFindings {
   void start();
   void end();
 
-  // The camera's thread, after each frame. `tags`: the newest measurement of each wanted tag.
-  void watch_absences(const vision::Frame& frame, std::span<const core::Measurement> tags);
+  // The camera's thread, after each frame. `tags`: the newest measurement of each wanted tag; `elsewhere`: where other
+  // cameras see robots now.
+  void watch_absences(const vision::Frame& frame, std::span<const core::Measurement> tags,
+                      std::span<const vision::SeenElsewhere> elsewhere);
   void watch_marks(const vision::Frame& frame);
   void watch_tags(double captured_at);
   /// Those of the camera itself, each once.
@@ -74,10 +76,15 @@ class CameraFindings {
   struct Question {
     vision::Frame frame;
     std::vector<vision::MissingTag> missing;
+    std::set<int> seen_elsewhere{};  // of these tags: by another camera, where this one looks as well
   };
   std::size_t robot_of(int tag) const;
   UnseenTag unseen_tag(const vision::Frame& frame, const vision::TagDiagnosis& tag) const;
-  void explain(const vision::Frame& frame, std::span<const vision::MissingTag> missing);
+  void expect_here(const vision::Frame& frame, std::span<const core::Measurement> tags,
+                   std::span<const vision::SeenElsewhere> elsewhere);
+  bool shows(const vision::Frame& frame, const core::Pose& pose) const;  // all of a tag there
+  void explain(const Question& question);
+  void tell_of_seen_elsewhere(const UnseenTag& tag);
   void look_at_marks(const vision::Frame& frame);
   void thread(const std::stop_token& stop);
   events::CameraMoved moved() const;  // this camera
@@ -96,6 +103,12 @@ class CameraFindings {
   std::vector<vision::TagAbsence> absences_;         // of the robots' tags
   double next_absence_ = none, next_search_ = none;  // the latter for robots that were never seen
   std::vector<vision::MissingTag> missing_;
+  struct Expected {  // where this camera should see a robot, by what another one sees; none: nowhere
+    std::optional<core::Pose> pose;
+    vision::TagAbsence absence;
+  };
+  std::vector<Expected> expected_;  // by robot; none: there is one camera
+  std::set<int> seen_elsewhere_;    // of the missing tags
   vision::ScaleWatch scale_watch_;
   vision::FocusWatch focus_watch_;
   int own_looks_ = 0;  // at the marks, not left to the thread

@@ -342,7 +342,7 @@ void CameraRig::work_off() {
   update_newest(tracker_.process(frame_, elsewhere_), wanted_, seen_.tags);
   for (std::size_t i = 0; i < experiment_.robots.size(); ++i) last_sights_->saw(number_, i, seen_.tags[i]);
   answer_question();
-  findings_.watch_absences(frame_, seen_.tags);
+  findings_.watch_absences(frame_, seen_.tags, elsewhere_);
   findings_.watch_marks(frame_);
   // A film that ends while the tick has these poses already, and their frame is not in the film, would lack a frame of
   // the run.

@@ -129,6 +129,21 @@ TEST(Cameras, WhoseCalibrationsDifferSlightlyAreTold) {
   EXPECT_THAT(run.alarms, Contains(HasSubstr("skein calibrate joint corrects it")));
 }
 
+/// Robots drive out of the eastern camera's view, and the western one is so far out of focus that it sees nothing.
+TEST(Cameras, OneThatIsBlindIsNamedBeforeRobotsAreLostUnderIt) {
+  const CamerasRun run(platoon_under_two("", {"camera.defocus_at=0", "camera.defocus=8"}));
+  EXPECT_THAT(run.alarms, Contains(HasSubstr("camera 1: robot 1 is not seen, though another camera sees it where this "
+                                             "one looks")));
+  EXPECT_THAT(run.alarms, Contains(HasSubstr("camera 2: robot 1 is lost: the border of this picture cuts tag 1, and no "
+                                             "other camera sees it")));
+  double told_at = none, lost_at = none;
+  for (const auto& [sentence, at] : run.told_at) {
+    if (sentence.find("robot 1 is not seen") != std::string::npos) told_at = std::fmin(told_at, at);
+    if (sentence.find("robot 1 is lost") != std::string::npos) lost_at = std::fmin(lost_at, at);
+  }
+  EXPECT_LT(told_at, lost_at - 0.5);
+}
+
 /// Calibrations never agree perfectly: here one camera hangs a tenth of a degree from where its calibration has it.
 TEST(Cameras, NoPoseJumpsWhereTwoCalibrationsDiffer) {
   const CamerasRun run(platoon_under_two(",bump_at=0,bump=0.1"));
