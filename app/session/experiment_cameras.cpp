@@ -65,9 +65,19 @@ tl::expected<vision::Calibration, std::string> camera_calibration(const Experime
 
 tl::expected<void, std::string> check_calibrations(const Experiment& experiment) {
   if (experiment.camera.kind() == CameraKind::absent) return {};
-  for (std::size_t k = 0; k < experiment.cameras(); ++k)
-    if (const auto calibration = camera_calibration(experiment, k); !calibration)
-      return tl::unexpected(calibration.error());
+  std::vector<vision::CameraPose> places;
+  for (std::size_t k = 0; k < experiment.cameras(); ++k) {
+    const auto calibration = camera_calibration(experiment, k);
+    if (!calibration) return tl::unexpected(calibration.error());
+    const vision::CameraPose& place = *calibration->world_from_camera;
+    const auto same = std::find(places.begin(), places.end(), place);
+    if (same != places.end() && experiment.camera.kind() != CameraKind::synthetic)
+      return tl::unexpected(fmt::format(
+          "{}camera.calibration: {} has the place of camera {} to the last digit, as a copy has, allowed: a "
+          "calibration for each camera, since no two hang at one place",
+          camera_prefix(experiment, k), experiment.camera_at(k).calibration, same - places.begin() + 1));
+    places.push_back(place);
+  }
   return {};
 }
 

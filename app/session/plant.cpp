@@ -273,11 +273,15 @@ std::string camera_moved_sentence(const Experiment& experiment, const events::Ca
 }
 
 std::string camera_stop_sentence(const events::CamerasDisagree& differ) {
+  constexpr double farther_than_a_bump = 0.1;  // [m]
   return fmt::format(
-      "cameras {} and {} see robot {} {:.0f} mm apart: one of them has moved since it was calibrated: STOP. `skein "
+      "cameras {} and {} see robot {} {:.0f} mm apart: one of them has moved since it was calibrated{}: STOP. `skein "
       "calibrate check` tells which; its floor must be calibrated again (skein calibrate floor)",
       std::min(differ.camera, differ.other) + 1, std::max(differ.camera, differ.other) + 1, differ.robot + 1,
-      1e3 * differ.by);
+      1e3 * differ.by,
+      differ.by > farther_than_a_bump
+          ? ", has the calibration of another camera, or was calibrated for a floor with another origin or other axes"
+          : "");
 }
 
 std::string cameras_differ_sentence(const events::CamerasDiffer& differ) {

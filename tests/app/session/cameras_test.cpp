@@ -8,12 +8,17 @@
 #include <cmath>
 #include <sstream>
 
+#include "app/calibration/calibration_file.h"
 #include "app/experiment/experiment_file.h"
 #include "app/record/csv_writer.h"
 #include "app/replay/replay.h"
+#include "app/session/experiment_cameras.h"
+#include "app/session/plant.h"
 #include "app/session/session.h"
 #include "tests/app/experiment_texts.h"
+#include "tests/app/folder.h"
 #include "tests/app/rows.h"
+#include "vision/calibration/calibration.h"
 
 namespace skein::app {
 namespace {
@@ -23,6 +28,7 @@ using ::testing::Contains;
 using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 /// The paper's platoon under two cameras, west and east of x = 0: a second before the first robot crosses the seam.
 Experiment platoon_under_two(const std::string& second_camera = "", const Sets& more = {}) {
@@ -142,6 +148,31 @@ TEST(Cameras, OneThatIsBlindIsNamedBeforeRobotsAreLostUnderIt) {
     if (sentence.find("robot 1 is lost") != std::string::npos) lost_at = std::fmin(lost_at, at);
   }
   EXPECT_LT(told_at, lost_at - 0.5);
+}
+
+/// Two files whose names differ, one of which is a copy.
+TEST(Cameras, WithTheSameCalibrationUnderTwoNamesAreRefused) {
+  const test::Folder folder;
+  ASSERT_TRUE(save_calibration(vision::overhead_calibration(1.0, 1.0), folder / "west.toml"));
+  ASSERT_TRUE(save_calibration(vision::overhead_calibration(1.0, 1.0), folder / "east.toml"));
+  const auto cameras = [&](const std::string& second) {
+    return check_calibrations(
+        good(paper_experiment().source,
+             {"camera.source=images:" + (folder / "a"), "camera.calibration=" + (folder / "west.toml"),
+              "camera.also=[{source=\"images:" + (folder / "b") + "\",calibration=\"" + (folder / second) + "\"}]"}));
+  };
+  const auto copy = cameras("east.toml");
+  ASSERT_FALSE(copy);
+  EXPECT_THAT(copy.error(), HasSubstr("has the place of camera 1 to the last digit"));
+  ASSERT_TRUE(save_calibration(vision::overhead_calibration(1.0, 1.0, {0.5, 0.0}), folder / "east2.toml"));
+  EXPECT_TRUE(cameras("east2.toml"));
+}
+
+/// No bump moves a picture so far.
+TEST(Cameras, ThatSeeARobotFarApartMayHaveWrongCalibrations) {
+  const char* const wrong_file = "has the calibration of another camera, or was calibrated for a floor with another";
+  EXPECT_THAT(camera_stop_sentence({0, 1, 0, 0.5}), HasSubstr(wrong_file));
+  EXPECT_THAT(camera_stop_sentence({0, 1, 0, 0.036}), Not(HasSubstr(wrong_file)));
 }
 
 /// Calibrations never agree perfectly: here one camera hangs a tenth of a degree from where its calibration has it.
