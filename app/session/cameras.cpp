@@ -108,6 +108,11 @@ vision::SourceStatus Cameras::status() const {
     vision::SourceStatus one = all_[k].rig->camera();
     const std::string prefix = camera_prefix(experiment_, k);
     if (k == 0) all = {};
+    if (all_[k].rig->failed()) {
+      one.up = false;
+      one.reason = all_[k].rig->reason();
+      ++one.outages;
+    }
     for (std::string& notice : one.notices) all.notices.push_back(prefix + notice);
     for (const std::string& automatic : one.automatics) all.automatics.push_back(prefix + automatic);
     all.outages += one.outages;

@@ -57,6 +57,8 @@ struct CamerasRun {
     };
     end = (*session)->run(listen);
     listen();
+    camera = (*session)->camera();
+    down = (*session)->camera_status().down;
     (*session)->close();
     failure = (*session)->failure().value_or("");
   }
@@ -69,6 +71,8 @@ struct CamerasRun {
   std::ostringstream csv;
   Phase end = Phase::ready;
   std::string failure;
+  vision::SourceStatus camera;  // of all, at the end
+  std::string down;             // what the check list then says
   std::vector<std::string> alarms;
   std::vector<std::pair<std::string, double>> told_at;  // each, and when it was told [s]
 };
@@ -89,6 +93,8 @@ TEST(Cameras, RobotsThatCrossTheSeamAreOneRobotEach) {
   EXPECT_FALSE(run.sink.has<events::CamerasDisagree>());
   EXPECT_FALSE(run.sink.has<events::CamerasDiffer>());
   EXPECT_THAT(run.alarms, IsEmpty()) << "a robot that another camera sees is not missing";
+  EXPECT_EQ(run.camera.outages, 0);
+  EXPECT_EQ(run.down, "");
   struct SeamErrors {
     double square = 0.0;
     int poses = 0;
@@ -208,6 +214,8 @@ TEST(Cameras, OneThatIsLostLeavesTheRest) {
                                              "that no other camera sees stand")));
   EXPECT_EQ(run.sink.count<events::CameraLost>(), 1);
   EXPECT_NE(run.csv.str().find("camera_lost c2"), std::string::npos);
+  EXPECT_EQ(run.camera.outages, 1) << "the summary says so";
+  EXPECT_EQ(run.down, "camera 2: the synthetic camera is lost (camera.lost_at)") << "and the check list";
   int stood = 0, drove = 0;
   for (const TickRecord& row : run.sink.rows) {
     if (row.now < 2.8) continue;
