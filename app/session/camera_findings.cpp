@@ -171,12 +171,11 @@ void CameraFindings::expect_here(const vision::Frame& frame, std::span<const cor
     auto& [pose, absence] = expected_[i];
     const auto by_other = std::find_if(elsewhere.begin(), elsewhere.end(),
                                        [&](const vision::SeenElsewhere& seen) { return seen.tag == wanted_[i]; });
-    if (tags[i].captured_at >= now)
-      pose.reset();
-    else if (by_other != elsewhere.end())
+    const bool here = tags[i].captured_at >= now;
+    if (!here && by_other != elsewhere.end())
       pose = shows(frame, by_other->pose) ? std::optional(by_other->pose) : std::nullopt;
-    else if (!absence.lasts(now))
-      pose.reset();  // whatever hides it hides it from all
+    else if (here || !absence.lasts(now))
+      pose.reset();  // what hides it, if it is not seen, hides it from all
     if (!pose) {
       absence.seen(now);
       continue;
