@@ -411,7 +411,7 @@ Instructions best_instructions() {
   return Instructions::baseline;
 }
 
-void place_points(Instructions instructions, const FloatMap& map, Places& places) {
+void place_points([[maybe_unused]] Instructions instructions, const FloatMap& map, Places& places) {
 #if defined(__x86_64__)
   if (instructions == Instructions::avx2) {
     place_avx2(map.u, map.most_u, places.u);
@@ -423,15 +423,15 @@ void place_points(Instructions instructions, const FloatMap& map, Places& places
   place_baseline(map.v, map.most_v, places.v);
 }
 
-void look_at_points(Instructions instructions, const Patch& patch, const Places& places, const TagTemplate& tag,
-                    Values& values, Sums& sums) {
+void look_at_points([[maybe_unused]] Instructions instructions, const Patch& patch, const Places& places,
+                    const TagTemplate& tag, Values& values, Sums& sums) {
 #if defined(__x86_64__)
   if (instructions == Instructions::avx2) return look_avx2(patch, places, tag, values, sums);
 #endif
   look_baseline(patch, places, tag, values, sums);
 }
 
-float felt_noise(Instructions instructions, const TagTemplate& tag, const Values& values,
+float felt_noise([[maybe_unused]] Instructions instructions, const TagTemplate& tag, const Values& values,
                  const std::array<float, TagTemplate::columns>& solution) {
 #if defined(__x86_64__)
   if (instructions == Instructions::avx2) return felt_avx2(tag, values, solution);
