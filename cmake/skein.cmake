@@ -48,7 +48,10 @@ endif()
 # -Wno-restrict: GCC 12 at -O3 sees overlaps in std::string's operator+ that are not there (GCC bug 105651, mended in 13).
 # -Wno-c99-extensions: sd-bus's own macros are compound literals.
 # -ffp-contract=off: the same source gives the same bits whether or not the compiler could fuse a multiply and an add.
+# -U__ARM_FEATURE_FMA: nor does Eigen fuse them in its own packets on ARM (core.SameBits), whose packets are as large as those of SSE2.
+# -Wno-psabi: GCC on ARM notes wherever a pair of doubles is returned that GCC 10.1 did that otherwise.
 target_compile_options(skein_options INTERFACE -Wall -Wextra -Wpedantic ${shadow} -Wconversion -Wno-sign-conversion
+  $<$<STREQUAL:${CMAKE_SYSTEM_PROCESSOR},aarch64>:-U__ARM_FEATURE_FMA;-Wno-psabi>
   $<$<CXX_COMPILER_ID:Clang>:-Wno-c99-extensions> -Wnon-virtual-dtor -Woverloaded-virtual -Wswitch-enum -Werror=switch -Werror=switch-enum -ffp-contract=off
   $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict> $<$<BOOL:${SKEIN_WERROR}>:-Werror>)
 if(SKEIN_SANITIZE)
