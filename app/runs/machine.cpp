@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 #include <sys/utsname.h>
 
+#include <algorithm>
 #include <array>
 #include <ctime>
 #include <fstream>
+#include <iterator>
 #include <thread>
 
 #include "app/run/privileges.h"
@@ -20,11 +22,19 @@ std::string first_line(const char* path) {
   return line;
 }
 
-std::string cpu_name() {
-  std::ifstream file("/proc/cpuinfo");
-  for (std::string line; std::getline(file, line);)
-    if (line.starts_with("model name"))
-      if (const std::size_t colon = line.find(": "); colon != std::string::npos) return line.substr(colon + 2);
+std::string text_of(const char* path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// What stands behind the colon in the first line of a key.
+std::string_view value_of(std::string_view cpuinfo, std::string_view key) {
+  while (!cpuinfo.empty()) {
+    const std::string_view line = cpuinfo.substr(0, cpuinfo.find('\n'));
+    cpuinfo.remove_prefix(std::min(cpuinfo.size(), line.size() + 1));
+    const std::size_t colon = line.find(": ");
+    if (line.starts_with(key) && colon != std::string_view::npos) return line.substr(colon + 2);
+  }
   return {};
 }
 
@@ -42,6 +52,13 @@ std::tm local(std::chrono::system_clock::time_point time) {
 
 }  // namespace
 
+std::string cpu_name(std::string_view cpuinfo, std::string_view model) {
+  if (const std::string_view name = value_of(cpuinfo, "model name"); !name.empty()) return std::string(name);
+  if (model = model.substr(0, model.find('\0')); !model.empty()) return std::string(model);
+  const std::string_view maker = value_of(cpuinfo, "CPU implementer"), part = value_of(cpuinfo, "CPU part");
+  return maker.empty() ? std::string() : fmt::format("ARM, implementer {}, part {}", maker, part);
+}
+
 MachineDescription describe_machine() {
   MachineDescription machine;
   utsname names{};
@@ -50,7 +67,7 @@ MachineDescription describe_machine() {
     machine.kernel = fmt::format("{} {}", names.release, names.version);
     machine.architecture = names.machine;
   }
-  machine.cpu = cpu_name();
+  machine.cpu = cpu_name(text_of("/proc/cpuinfo"), text_of("/proc/device-tree/model"));
   machine.cores = std::thread::hardware_concurrency();
   machine.governor = first_line("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor");
   machine.realtime_kernel = first_line("/sys/kernel/realtime") == "1";
