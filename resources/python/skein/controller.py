@@ -18,6 +18,7 @@ import mmap
 import os
 import struct
 import sys
+import threading
 import time
 
 try:
@@ -120,6 +121,17 @@ class Tick:
         self.tick, self.t, self.dt = struct.unpack_from("<qdd", self._memory, 56)
 
 
+_turn = threading.Lock()
+_turn.acquire()
+
+
+def _fence():
+    """What was read and written before comes before what is read and written after, for Skein as well. x86-64 keeps that order by itself; ARM may show
+    the number of an answer before the answer. A lock that is released and taken is the only fence that Python has."""
+    _turn.release()
+    _turn.acquire()
+
+
 def _text(text, size):
     return text.encode("utf-8", "replace")[:size - 1].ljust(size, b"\0")
 
@@ -166,6 +178,7 @@ def _questions(memory):
                 question, = struct.unpack_from("<Q", memory, 48)
         if question != answered:
             answered = question
+            _fence()
             yield question
 
 
@@ -190,5 +203,6 @@ def run(step):
             tick.parameters[name], = struct.unpack_from("<d", memory, at)
         if step(tick) is not None:
             sys.exit("skein.controller: the law returned something, which nobody reads: write tick.v[:] and tick.omega[:]")
+        _fence()
         struct.pack_into("<Q", memory, 80, question)
         os.write(ANSWER_FD, b"a")
