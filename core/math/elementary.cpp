@@ -2,6 +2,8 @@
 
 #include <sleef.h>
 
+#include <numbers>
+
 namespace skein::core::math {
 
 double sin(double x) noexcept {
@@ -9,6 +11,8 @@ double sin(double x) noexcept {
 }
 
 double cos(double x) noexcept {
+  // SLEEF rounds x/pi - 1/2 to an integer, and next to -1/2 on ARM in another way than on x86-64, which gives 1 here.
+  if (x <= 0.0 && x > -1.5 * 0x1p-53 * std::numbers::pi) return 1.0;
   return Sleef_cinz_cosd1_u35purec(x);
 }
 

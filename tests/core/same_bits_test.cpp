@@ -3,6 +3,8 @@
 #include <Eigen/Dense>
 #include <cstddef>
 
+#include "core/math/elementary.h"
+
 // A multiplication and an addition that a processor does in one, with one rounding, give other bits than both alone,
 // and a record made on one computer could not be verified on another. Here the terms of a sum cancel each other, in
 // whatever order: it is 0 if every product was rounded, and the product's error if the last one was not.
@@ -64,6 +66,11 @@ TEST(SameBits, ALoopIsRoundedAsItIsWritten) {
     sum = sum + factor * other;
   }
   EXPECT_EQ(sum, 0.0);
+}
+
+// A robot that is where it should be has errors of this size at every tick.
+TEST(SameBits, TheCosineOfASmallErrorIsThatOfX86) {
+  for (int k = 0; k <= 520; ++k) EXPECT_EQ(math::cos(-1e-18 * k), 1.0) << k;
 }
 
 }  // namespace
