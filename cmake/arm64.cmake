@@ -1,4 +1,4 @@
-# Compiles on x86-64 for 64-bit ARM: the preset arm64. Libraries and headers of Debian's arm64 are in a folder that scripts/elsewhere arm64
+# Compiles on x86-64 for 64-bit ARM: the preset arm64. Libraries and headers of Debian's arm64 are in a folder that scripts/arm64
 # makes; Skein's own programs run there under qemu-user, whose loader takes ARM's libraries from the same folder (QEMU_LD_PREFIX).
 set(CMAKE_SYSTEM_NAME Linux)
 set(CMAKE_SYSTEM_PROCESSOR aarch64)
