@@ -11,7 +11,7 @@ namespace skein::app {
 
 /// How a file may be created.
 struct WriteRules {
-  bool force = false;  ///< replace an existing file
+  bool force = false;  ///< replace an existing file; the new one has its owner, group and mode
   bool whole = false;  ///< only a whole file is worth keeping: a killed program leaves none, where the disk allows it
 };
 

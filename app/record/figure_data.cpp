@@ -203,7 +203,7 @@ std::string FigureData::peaks(std::size_t panel, Curve Robot::*curve, const Exte
     });
     if (free && shown.size() < most) shown.push_back(peak);
   }
-  std::string lines;
+  std::string lines;  // without any, one of no robot: gnuplot crashes where no label has a place
   for (const Peak& peak : shown) lines += fmt::format("{:.9g} {:.6g} {}\n", peak.t, peak.value, peak.robot);
   return block("peaks", panel - 1, lines.empty() ? "0 0 0\n" : lines);
 }

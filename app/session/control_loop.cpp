@@ -153,7 +153,7 @@ void ControlLoop::ask_controller() noexcept {
   input_.controller = controller_->state();
 }
 
-/// If the tick has stopped all robots because of a bumped camera, so do the links.
+/// Passes on which cameras differ. If the tick has stopped all robots because of a bumped camera, so do the links.
 void ControlLoop::heed_camera(const TickRecord& record) noexcept {
   for (const Event& event : record.events)
     if (const auto* const differ = std::get_if<events::CamerasDiffer>(&event)) differences_.push(*differ);

@@ -287,9 +287,8 @@ std::string camera_stop_sentence(const events::CamerasDisagree& differ) {
 std::string cameras_differ_sentence(const events::CamerasDiffer& differ) {
   return fmt::format(
       "cameras {} and {} see robot {} {:.0f} mm apart, and go on to: poses under one of them are wrong by as much. "
-      "Their "
-      "calibrations do not agree (skein calibrate joint corrects it), or the time stamps of one are late (skein camera "
-      "latency measures it)",
+      "Their calibrations do not agree (skein calibrate joint corrects it), or the time stamps of one are late (skein "
+      "camera latency measures it)",
       std::min(differ.camera, differ.other) + 1, std::max(differ.camera, differ.other) + 1, differ.robot + 1,
       1e3 * differ.by);
 }
