@@ -142,6 +142,7 @@ FigureData::FigureData(const Experiment& experiment) {
 }
 
 void FigureData::record(const TickRecord& row) {
+  if (row.phase == Phase::finished) return;
   for (std::size_t i = 0; i < std::min(robots_.size(), row.robots.size()); ++i) {
     const RobotRecord& seen = row.robots[i];
     if (seen.is(staging)) continue;

@@ -79,9 +79,10 @@ Statistics::Statistics(const Experiment& experiment)
 }
 
 void Statistics::record(const TickRecord& record) {
+  if (record.phase == Phase::finished) return note_events(record);
   so_far_.min_distance = std::fmin(so_far_.min_distance, record.min_distance);
   count_collisions(record);
-  if (record.phase == Phase::staging || record.phase == Phase::ready) return;  // on the way to the starts
+  if (!counts(record.phase)) return;  // on the way to the starts
   const Sample sample{record.t,
                       formation_error(record),
                       tracking_error(record, schedule_),
@@ -115,15 +116,20 @@ void Statistics::record(const TickRecord& record) {
   so_far_.latency_total.add(record.latency.total);
   if (record.phase == Phase::stopped) so_far_.stopped = true;
 
-  for (const Event& event : record.events) {
-    if (so_far_.events.size() < most_events) so_far_.events.emplace_back(record.t, describe(event));
+  note_events(record);
+  for (const Event& event : record.events)
     if (is<events::Perturb, events::Move, events::Kick, events::Kidnap>(event)) disturb(record.t, sample.clock, event);
-    if (const auto* const missed = std::get_if<events::DeadlineMissed>(&event))
-      so_far_.missed_deadlines += missed->ticks;
-  }
   watch_others(record);
   bands_.add(sample);  // a disturbance's own tick is the first after it
   before_.add(sample);
+}
+
+void Statistics::note_events(const TickRecord& record) {
+  for (const Event& event : record.events) {
+    if (so_far_.events.size() < most_events) so_far_.events.emplace_back(record.t, describe(event));
+    if (const auto* const missed = std::get_if<events::DeadlineMissed>(&event))
+      so_far_.missed_deadlines += missed->ticks;
+  }
 }
 
 void Statistics::count_collisions(const TickRecord& record) {

@@ -16,6 +16,12 @@
 
 namespace skein::app {
 
+/// Whether a row is of the run itself: not of the time before its start, nor of that after its end, when robots may
+/// drive back and hands may move them.
+constexpr bool counts(Phase phase) noexcept {
+  return phase == Phase::running || phase == Phase::paused || phase == Phase::stopped;
+}
+
 /// Settling times: how long after a perturbation errors stay inside a band (until the next perturbation or the end).
 /// Empty: they did not settle; 0: they never left it.
 struct Settling {
@@ -134,6 +140,7 @@ class Statistics final : public RecordSink {
     double others_away = 0.0;   ///< [m]
   };
   void count_collisions(const TickRecord& record);
+  void note_events(const TickRecord& record);
   void disturb(double t, double clock, const Event& event);
   void watch_others(const TickRecord& record);
 

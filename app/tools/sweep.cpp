@@ -32,7 +32,7 @@ class Distance final : public RecordSink {
       : experiment_(experiment), schedule_(experiment), near_enough_(near_enough) {}
 
   void record(const TickRecord& record) override {
-    if (record.phase == Phase::staging || record.phase == Phase::ready) return;
+    if (!counts(record.phase)) return;
     double error = 0.0;
     farthest_way_ = 0.0;
     at_rest_ = true;

@@ -14,6 +14,7 @@
 #include "app/experiment/experiment_file.h"
 #include "app/experiment/text_file.h"
 #include "app/record/gnuplot.h"
+#include "app/record/statistics.h"
 #include "app/session/session.h"
 #include "core/estimation/statistics.h"
 #include "core/math/elementary.h"
@@ -234,7 +235,7 @@ std::string interval_table(const std::vector<Variant>& variants) {
 class Plan final : public RecordSink {
  public:
   void record(const TickRecord& record) override {
-    if (record.phase == Phase::staging || record.phase == Phase::ready) return;
+    if (!counts(record.phase)) return;
     ways_.resize(record.robots.size());
     for (std::size_t i = 0; i < record.robots.size(); ++i) {
       const RobotRecord& r = record.robots[i];

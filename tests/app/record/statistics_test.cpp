@@ -256,6 +256,24 @@ TEST(Statistics, SumsUpTheRun) {
   EXPECT_EQ(s.events[1].second, "stop");
 }
 
+TEST(Statistics, EndWithTheRunWhateverIsDoneAfterIt) {
+  History h;
+  h.add(50, 0.002, 0.001);
+  TickRecord after = h.row(0.3, 0.2, 0.05);
+  after.phase = Phase::finished;
+  after.events.add(events::Move{0, {0.3, 0.0, 0.0}});
+  h.add(after);
+  const Statistics::Summary s = h.summary();
+  EXPECT_EQ(s.ticks, 50);
+  EXPECT_DOUBLE_EQ(s.duration, 2.0);
+  EXPECT_DOUBLE_EQ(s.final_error, 0.002);
+  EXPECT_DOUBLE_EQ(s.final_formation_error, 0.001);
+  EXPECT_DOUBLE_EQ(s.min_distance, 1.0);
+  EXPECT_EQ(s.collisions, 0);
+  EXPECT_TRUE(s.perturbations.empty());
+  EXPECT_EQ(s.events.size(), 1u);
+}
+
 TEST(Statistics, ARunWithoutARowHasNoValues) {
   const Statistics::Summary s = History().summary();
   EXPECT_TRUE(std::isnan(s.final_error));

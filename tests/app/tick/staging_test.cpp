@@ -179,7 +179,8 @@ TEST(Staging, ARobotThatIsHeldStaysWhereItIsWhenTheOthersDriveBack) {
 TEST(Staging, AfterTheRunTheyMayDriveBack) {
   const Experiment e = good(paper_experiment().source, {"duration=2", "perturb=[]", "staging.back=true"});
   Rows rows;
-  auto session = Session::open(e, Session::Clock::virtual_, {false, {&rows}});
+  Statistics statistics(e);
+  auto session = Session::open(e, Session::Clock::virtual_, {false, {&rows, &statistics}});
   EXPECT_EQ((*session)->run(), Phase::finished) << (*session)->failure().value_or("");
   EXPECT_EQ(std::count_if(rows.rows.begin(), rows.rows.end(),
                           [](const TickRecord& row) { return row.phase == Phase::running; }),
@@ -187,6 +188,8 @@ TEST(Staging, AfterTheRunTheyMayDriveBack) {
   EXPECT_TRUE(rows.has<events::Staged>());
   for (std::size_t i = 0; i < 4; ++i)
     EXPECT_LT(core::distance(rows.rows.back().robots[i].truth, make_reference(e)->at(i, 0.0).pose), 0.012);
+  EXPECT_EQ(statistics.summary().ticks, 50);
+  EXPECT_LT(statistics.summary().final_error, 0.002) << "the way back is none of the run";
 }
 
 TEST(Staging, StopEndsIt) {
