@@ -194,7 +194,7 @@ void ControlLoop::complete_latency() noexcept {
 /// hand.
 void ControlLoop::perturb(int elapsed, EventList& events) {
   const double t = tick_.next_time(elapsed);
-  const bool running = phase() == Phase::running;
+  const bool running = may_act(experiment_, phase(), t);
   for (; running && next_perturbation_ < experiment_.perturbations.size(); ++next_perturbation_) {
     const Perturbation& p = experiment_.perturbations[next_perturbation_];
     if (!is_due(p.t, t)) break;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "app/experiment/experiment.h"
+#include "app/run/tick_record.h"
 #include "core/geometry/pose.h"
 
 namespace skein::app {
@@ -8,6 +10,12 @@ namespace skein::app {
 /// early, because t is a quotient and the file's number a decimal.
 constexpr bool is_due(double when, double t) noexcept {
   return t >= when - 0.5e-9;
+}
+
+/// Whether the file may do something before the tick of time `t`: in a run, but not in the tick that ends it, whose
+/// poses are those of the end. [s]
+inline bool may_act(const Experiment& experiment, Phase phase, double t) noexcept {
+  return phase == Phase::running && !is_due(static_cast<double>(experiment.ticks()) / experiment.rate, t);
 }
 
 /// Where a perturbation, the file's or the event, puts a robot that is `here`.

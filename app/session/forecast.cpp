@@ -74,7 +74,7 @@ void Forecast::follow(const TickRecord& record) {
 
 /// What happens by the file before the tick of time t, as ControlLoop does it.
 void Forecast::perturb(double t, TickInput& input) {
-  const bool running = ahead_.record().phase == Phase::running;
+  const bool running = may_act(experiment_, ahead_.record().phase, t);
   for (; running && next_perturbation_ < experiment_.perturbations.size(); ++next_perturbation_) {
     const Perturbation& p = experiment_.perturbations[next_perturbation_];
     if (!is_due(p.t, t)) break;

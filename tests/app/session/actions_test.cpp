@@ -44,6 +44,18 @@ Experiment parsed(const std::string& text) {
   return experiment ? *experiment : Experiment{};
 }
 
+/// The last tick is that before the end: a kick in the tick that ends the run would be all that its results are of.
+TEST(Actions, OfTheFileHappenBeforeTheEnd) {
+  const char* const at_the_end =
+      "duration = 2\n[[perturb]]\nt = 1.96\nrobot = 1\ndx = 0.01\n[[perturb]]\nt = 2\nrobot = 2\ndx = 0.1\n"
+      "[[operator]]\nt = 1.97\ndoes = 'move r3 x=0 y=0 theta=0'\n[[operator]]\nt = 2\ndoes = 'hold r4'\n";
+  const Rows rows = run(parsed(at_the_end), {});
+  EXPECT_EQ(rows.rows.size(), 50u);
+  EXPECT_EQ(rows.count<events::Perturb>(), 1);
+  EXPECT_FALSE(rows.has<events::Move>());
+  EXPECT_FALSE(rows.has<events::Hold>());
+}
+
 /// One thing after the other, each once.
 Hand busy_hand() {
   return [done = 0](Session& session, double t) mutable {
