@@ -127,13 +127,17 @@ bool pairs_differ(const Experiment& experiment) {
         if (table(i, j) != table.largest()) return true;
     return false;
   };
+  // A robot on a planned route is not coupled to any other.
+  const bool planned = experiment.avoidance.enabled && experiment.avoidance.kind == core::AvoidanceKind::plan;
+  const auto may_differ = [&](const core::PairTable& table) { return planned ? !table.none() : differ(table); };
   for (const core::GainName gain : core::gain_names) {
-    if (differ(core::table(experiment.controller.gains, gain))) return true;
+    if (may_differ(core::table(experiment.controller.gains, gain))) return true;
     for (const GainChange& change : experiment.gain_changes)
-      if (change[gain] && differ(*change[gain])) return true;
+      if (change[gain] && may_differ(*change[gain])) return true;
   }
-  return std::any_of(experiment.actions.begin(), experiment.actions.end(),
-                     [](const OperatorAction& action) { return is<events::PairGain, events::Uncouple>(action.event); });
+  return std::any_of(experiment.actions.begin(), experiment.actions.end(), [&](const OperatorAction& action) {
+    return is<events::PairGain, events::Uncouple>(action.event) || (planned && is<events::Gain>(action.event));
+  });
 }
 
 bool pairs_differ(const TickRecord& record) noexcept {

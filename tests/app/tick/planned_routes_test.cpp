@@ -6,9 +6,13 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <sstream>
 #include <string>
 #include <vector>
 
+#include "app/record/csv_reader.h"
+#include "app/record/csv_writer.h"
+#include "core/control/coordination_law.h"
 #include "tests/app/experiment_texts.h"
 #include "tests/app/fixture.h"
 
@@ -65,6 +69,40 @@ TEST(PlannedRoutes, RepeatToTheBit) {
   for (std::size_t k = 0; k < first.size(); ++k)
     for (std::size_t i = 0; i < first[k].robots.size(); ++i)
       ASSERT_EQ(first[k].robots[i].command, again[k].robots[i].command) << "tick " << k;
+}
+
+/// A robot on its route has no couplings. Its record has the gains with which the law was computed, of each pair.
+TEST(PlannedRoutes, LeaveTheLawToBeComputedAgainFromTheRecord) {
+  const Experiment e = good("duration = 8\n[avoidance]\nkind = 'plan'\n[[perturb]]\nt = 1\nrobot = 2\ndy = -0.15\n");
+  std::stringstream file;
+  CsvWriter writer(file, e);
+  for (const TickRecord& row : test::simulate(e)) writer.record(row);
+  auto reader = CsvReader::open(file, "run.csv");
+  ASSERT_TRUE(reader) << reader.error();
+  core::Gains gains = make_gains(e);
+  core::LawPairs pairs(4);
+  TickRecord row;
+  int avoided = 0;
+  while (reader->next(row).value()) {
+    std::vector<core::TrackingError> errors;
+    std::vector<core::Twist> reference;
+    for (const RobotRecord& robot : row.robots) {
+      errors.push_back(robot.error);
+      reference.push_back(robot.reference.twist);
+      avoided += robot.is(avoiding);
+    }
+    gains.k_xx = row.pair_gains[0];
+    gains.k_tt = row.pair_gains[1];
+    gains.k_yy = row.pair_gains[2];
+    core::use_policy(gains, reference);
+    std::vector<core::Twist> law(4);
+    core::coordination_law(gains, errors, reference, law, pairs);
+    for (std::size_t i = 0; i < 4; ++i) {
+      ASSERT_NEAR(row.robots[i].law.v, law[i].v, 1e-9) << "robot " << i + 1 << " at " << row.t << " s";
+      ASSERT_NEAR(row.robots[i].law.omega, law[i].omega, 1e-9) << "robot " << i + 1 << " at " << row.t << " s";
+    }
+  }
+  EXPECT_GT(avoided, 50) << "a test of nothing";
 }
 
 /// A hand puts a robot elsewhere while it is on its route, which would lead it back there.
