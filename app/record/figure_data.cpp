@@ -165,7 +165,7 @@ void FigureData::record(const TickRecord& row) {
     for (const double e : {error.x, error.y}) extents_.e_xy.include(e);
     extents_.e_theta.include(error.theta);
     extents_.t.include(row.t);
-    if (!std::exchange(robot.began, true)) robot.first = pose;
+    if (std::isnan(robot.first.x)) robot.first = pose;  // unless it is not seen yet
     robot.last = pose;
   }
 }

@@ -104,7 +104,6 @@ class FigureData final : public RecordSink {
     std::string moves{};
     std::size_t moved = 0;
     core::Pose first{none, none, none}, last{none, none, none};
-    bool began = false;
   };
   std::string peaks(std::size_t panel, Curve Robot::*curve, const Extent& values) const;
   std::vector<Robot> robots_;

@@ -2,6 +2,7 @@
 # an arrow where somebody put a robot elsewhere. Of more than eight robots, the robot's number at the beginning of its path.
 load "figure3.dat"  # $reference_i, $path_i, $moves_i, $ends_i of robot i; of a long run as much as can be seen
 
+set datafile missing "nan"  # where a robot was never seen: gnuplot 5.4 crashes at a label there
 set encoding utf8
 set minussign
 

@@ -52,7 +52,7 @@ begin_key(k, closer) = (rows == 0 ? "unset key" : \
   sprintf("set key at screen %f, screen %f center bottom vertical maxrows rows Left reverse samplen 1.5 width %g", \
           0.5 * (beside + width - beyond) / width, (above(k) + 0.1) / height, closer))
 spread(low, high) = sprintf("set yrange [%g : %g]; set ytics %g", low - 0.08 * (high - low), high + 0.08 * (high - low), \
-                            nice((high - low) / 5))
+                            nice((high - low) / 5.0))
 beside_panel(text) = sprintf("set label 1 '%s' at screen %f, graph 0.5 center rotate", text, 0.27 / width)
 
 numbers_1 = numbers(1, 1000, xy_high - xy_low, 'sprintf("%d", $3)')

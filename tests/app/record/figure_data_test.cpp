@@ -113,6 +113,16 @@ TEST(FigureData, BreaksAPathWhereARobotWasPutElsewhereOrNotSeen) {
   EXPECT_THAT(figures.paths(), HasSubstr("$ends_1 << end\n0 0\n0.23 0.1\nend\n"));
 }
 
+TEST(FigureData, APathBeginsWhereItsRobotWasSeenFirst) {
+  FigureData figures(robots(1));
+  for (const double x : {none, none, 0.1, 0.11}) {
+    TickRecord one = row(0, 1);
+    one.robots[0].pose = {x, std::isnan(x) ? none : 0.2, 0.0};
+    figures.record(one);
+  }
+  EXPECT_THAT(figures.paths(), HasSubstr("$ends_1 << end\n0.1 0.2\n0.11 0.2\nend\n"));
+}
+
 TEST(FigureData, APathOfNothingButJumpsEndsToo) {
   FloorLine line(100, 2.0);
   for (int k = 0; k < 10'000; ++k) line.add(k % 2 == 0 ? 0.1 * (k % 17) : 1e200, 0.05 * (k % 13), k % 3 != 0);

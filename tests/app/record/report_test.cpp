@@ -100,6 +100,17 @@ TEST_F(Report, DrawsAnyNumberOfRobotsWithoutPerturbations) {
   }
 }
 
+/// gnuplot crashed at the number of a robot that was not seen yet at the start, or never.
+TEST_F(Report, DrawsManyRobotsThatAreSeenLateOrNever) {
+  for (const char* const unseen : {"latency = 0.12", "dropout = 1"}) {
+    std::string text = fmt::format("duration = 1\n[simulation]\n{}\n", unseen);
+    for (int i = 0; i < 9; ++i) text += "[[robot]]\n";
+    const auto drawn = draw(experiment(text));
+    ASSERT_TRUE(drawn) << unseen << ": " << drawn.error();
+    expect_figures();
+  }
+}
+
 /// Their colours come again from robot 9 on. Robot k is k cm beside its place, robot 1 farther than all others.
 TEST_F(Report, TellsWhichOfManyRobotsHadTheLargestErrors) {
   std::string text = "duration = 2\nreference.kind = \"independent\"\n[arena]\nwidth = 4\nheight = 4\n";
