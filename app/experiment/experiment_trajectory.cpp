@@ -35,7 +35,11 @@ bool check_samples(const TrajectorySpec& t, const std::string& key, Problems& pr
     return false;
   };
   for (std::size_t k = 1; k < t.samples.size(); ++k) {
-    if (!(t.samples[k].t > t.samples[k - 1].t)) return refuse(k, "found a time that does not increase");
+    if (!(t.samples[k].t > t.samples[k - 1].t)) {
+      problems.add(key + ".samples", fmt::format("found t = {} after {}, allowed: times that increase", t.samples[k].t,
+                                                 t.samples[k - 1].t));
+      return false;
+    }
     if (t.samples[k].place == t.samples[k - 1].place)
       return refuse(k, "found the same place again, allowed: places that differ, since a place has no direction,");
   }

@@ -108,6 +108,8 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"[simulation]\ndropout = 2", "e.toml:2:11: simulation.dropout: found 2, allowed: a number from 0 to 1"},
         Refused{"[simulation]\nlatency = 3",
                 "e.toml:2:11: simulation.latency: found 3, allowed: a number from 0 to 2.48 s"},
+        Refused{"reference.kind = 'independent'\n[[robot]]\ntrajectory = { samples = [[1, 0, 0], [0.5, 0.1, 0]] }",
+                "e.toml:3:26: robot.1.trajectory.samples: found t = 0.5 after 1, allowed: times that increase"},
         Refused{"[[perturb]]\nrobot = 1\ndx = 0.1", "e.toml:1:1: perturb.1.t: missing, allowed: the time in s"},
         Refused{"[[perturb]]\nt = 1\ndx = 0.1",
                 "e.toml:1:1: perturb.1.robot: missing, allowed: the robot to move, from 1"},
