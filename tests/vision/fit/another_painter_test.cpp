@@ -36,17 +36,19 @@ void paint_by_opencv(const Calibration& camera, const TagPattern& pattern, const
   const int half = static_cast<int>(optics.edge_px) + 8;
   const int left = cvRound(middle.x) - half, top = cvRound(middle.y) - half;
 
-  cv::Mat fine(2 * half * samples, 2 * half * samples, CV_32F, cv::Scalar(120.0));
-  for (int row = 0; row < fine.rows; ++row) {
-    for (int column = 0; column < fine.cols; ++column) {
-      const cv::Vec3d at =
-          into_modules * cv::Vec3d(left + (column + 0.5) / samples - 0.5, top + (row + 0.5) / samples - 0.5, 1.0);
-      const double x = at[0] / at[2] + 5.0, y = 5.0 - at[1] / at[2];
-      if (!(x > 0.0 && x < 10.0 && y > 0.0 && y < 10.0)) continue;
-      const bool paper = pattern[static_cast<std::size_t>(y) * pattern_cells + static_cast<std::size_t>(x)];
-      fine.at<float>(row, column) = paper ? 210.0F : 60.0F;
-    }
-  }
+  cv::Mat cells(pattern_cells, pattern_cells, CV_32F);
+  for (int row = 0; row < cells.rows; ++row)
+    for (int column = 0; column < cells.cols; ++column)
+      cells.at<float>(row, column) =
+          pattern[static_cast<std::size_t>(row) * pattern_cells + static_cast<std::size_t>(column)] ? 210.0F : 60.0F;
+  // Samples and cells have their middles at whole numbers; cells count downwards.
+  const cv::Matx33d pixels_of_samples(1.0 / samples, 0.0, left + 0.5 / samples - 0.5, 0.0, 1.0 / samples,
+                                      top + 0.5 / samples - 0.5, 0.0, 0.0, 1.0);
+  const cv::Matx33d cells_of_modules(1.0, 0.0, 4.5, 0.0, -1.0, 4.5, 0.0, 0.0, 1.0);
+  cv::Mat fine;
+  cv::warpPerspective(cells, fine, cells_of_modules * into_modules * pixels_of_samples,
+                      {2 * half * samples, 2 * half * samples}, cv::INTER_NEAREST | cv::WARP_INVERSE_MAP,
+                      cv::BORDER_CONSTANT, 120.0);
   if (optics.blur_px > 0.0) cv::GaussianBlur(fine, fine, {}, samples * optics.blur_px);
   cv::Mat picture, grain(2 * half, 2 * half, CV_32F);
   cv::resize(fine, picture, grain.size(), 0.0, 0.0, cv::INTER_AREA);
