@@ -15,6 +15,7 @@
 #include "core/estimation/statistics.h"
 #include "core/kinematics/unicycle.h"
 #include "core/math/elementary.h"
+#include "core/math/small_matrix.h"
 
 namespace skein::core {
 namespace {
@@ -23,6 +24,7 @@ using Vector3 = Eigen::Vector3d;
 using Matrix3 = Eigen::Matrix3d;
 using Parameters = Eigen::Matrix<double, unknowns, 1>;
 using Information = Eigen::Matrix<double, unknowns, unknowns>;
+using Decomposition = Eigen::LDLT<Eigen::MatrixXd>;  // of any size: it takes less time to compile
 
 constexpr std::size_t at(Unknown unknown) noexcept {
   return static_cast<std::size_t>(unknown);
@@ -227,7 +229,7 @@ class Search {
       for (int tries = 0;; ++tries) {
         Information damped = curved;
         damped.diagonal() *= 1.0 + damping;
-        Parameters step = damped.ldlt().solve(-slope);
+        Parameters step = Decomposition(damped).solve(Eigen::VectorXd(-slope));
         // No step farther than the prior finds likely.
         step /= std::max(1.0, step.cwiseQuotient(prior_.sigma).cwiseAbs().maxCoeff());
         const double there = cost(p + step);
@@ -272,11 +274,11 @@ class Search {
   void discount_fit(Parameters& p) {
     constexpr double h = 0.02;
     Parameters slope;
-    const Information covariance = information_.inverse();
+    const Information covariance = math::inverse(information_);
     const auto log_determinant = [&](const Parameters& there) {
       Information information;
       linearise(there, slope, information);  // of a part: how it changes with p does not depend on the length
-      return information.ldlt().vectorD().array().log().sum();
+      return Decomposition(information).vectorD().array().log().sum();
     };
     Parameters step = Parameters::Zero();
     look_at(enough_poses);
@@ -504,7 +506,7 @@ Identification identify(const IdentificationInput& input) {
   result.converged = search.climb(p, result.iterations);
   if (input.poses.size() > enough_poses) {
     const auto delay = static_cast<Eigen::Index>(at(Unknown::delay));
-    const double variance = search.information().inverse()(delay, delay);
+    const double variance = math::inverse(search.information())(delay, delay);
     search.look_at(input.poses.size());
     // The robot may have stood all that time, and have told nothing.
     if (!result.converged || !(variance < math::squared(useful_width(Unknown::delay, 0.0)))) begin_coarsely();
@@ -513,12 +515,12 @@ Identification identify(const IdentificationInput& input) {
   for (int round = 0; round < 3 && result.converged && search.drop_outliers(p) > 0; ++round)
     result.converged = search.climb(p, result.iterations);
 
-  Information covariance = search.information().inverse();
+  Information covariance = math::inverse(search.information());
   std::optional<DelayPosterior> delay;
   for (int round = 0; result.converged; ++round) {
     constexpr double better = 0.05;
     search.discount_fit(p);
-    covariance = search.information().inverse();
+    covariance = math::inverse(search.information());
     delay = search.delay_posterior(p, covariance);
     const Parameters line = covariance.col(at(Unknown::delay)) / covariance(at(Unknown::delay), at(Unknown::delay));
     if (round < 3 && delay->gained > better) {  // it came to rest on the wrong side of a kink

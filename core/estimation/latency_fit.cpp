@@ -52,7 +52,8 @@ class HeadingFit {
       columns(k, 1 + knot) = 1.0 - (place - static_cast<double>(knot));
       columns(k, 2 + knot) = place - static_cast<double>(knot);
     }
-    const Eigen::VectorXd solution = (columns.transpose() * columns).ldlt().solve(columns.transpose() * headings);
+    const Eigen::VectorXd solution =
+        (columns.transpose() * columns).ldlt().solve(Eigen::VectorXd(columns.transpose() * headings));
     Solution found{0.0, solution[0], headings - columns * solution};
     found.squares = found.residuals.squaredNorm();
     return found;

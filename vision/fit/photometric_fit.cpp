@@ -1,10 +1,11 @@
 #include "vision/fit/photometric_fit.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include "core/math/small_matrix.h"
 
 namespace skein::vision::detail {
 namespace {
@@ -316,7 +317,7 @@ bool PhotometricFit::trim(const Frame& frame, const TagTemplate& tag, core::Pose
     }
     // More than two modules of ten hidden: what is left may not be enough to tell this tag from another.
     if (weights < 0.7 * static_cast<double>(SampleGrid::points)) return false;
-    const TagTemplate::Blurring inverse = normal.inverse();
+    const TagTemplate::Blurring inverse = core::math::inverse(normal);
     solution = inverse * seen_columns;
     const double gain = solution[TagTemplate::paper];
     if (!(gain >= options_.least_contrast)) return false;
@@ -383,7 +384,7 @@ Fit PhotometricFit::fit(const Frame& frame, TagModel& model, const core::Pose& f
   if (!arrived || strayed || seen.correlation < least) return result;
 
   const auto explained = [&] {
-    if (seen.cut) cut_inverse_ = cut_normal_.inverse();
+    if (seen.cut) cut_inverse_ = core::math::inverse(cut_normal_);
     return explain(*sharp, seen);
   };
   Free free = explained();

@@ -1,11 +1,12 @@
 #include "vision/tags/tag_template.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+
+#include "core/math/small_matrix.h"
 
 namespace skein::vision::detail {
 namespace {
@@ -127,9 +128,9 @@ TagTemplate::TagTemplate(const TagPattern& pattern, double blur_sigma) : sigma(b
 
   normal.setZero();
   for (std::size_t point = 0; point < SampleGrid::points; ++point) normal += row(point) * row(point).transpose();
-  Rigid::Map(rigid_inverse.data()) = Rigid(normal.topLeftCorner<rigid_columns, rigid_columns>()).inverse();
+  Rigid::Map(rigid_inverse.data()) = core::math::inverse(normal.topLeftCorner<rigid_columns, rigid_columns>());
   last_step = last_step_of(normal);
-  const Full inverse = normal.inverse();
+  const Full inverse = core::math::inverse(normal);
   Eigen::Matrix<float, columns, columns>::Map(full_inverse.data()) = inverse.cast<float>();
 
   // What a fit takes of the noise for changes of its columns is missing from the residual.
@@ -155,7 +156,7 @@ TagTemplate::TagTemplate(const TagPattern& pattern, double blur_sigma) : sigma(b
 }
 
 TagTemplate::LastStep TagTemplate::last_step_of(const Full& normal) {
-  return Blurring(normal.topLeftCorner<blurring_columns, blurring_columns>()).inverse().topRows<3>().cast<float>();
+  return core::math::inverse(normal.topLeftCorner<blurring_columns, blurring_columns>()).topRows<3>().cast<float>();
 }
 
 Eigen::Matrix<double, TagTemplate::columns, 1> TagTemplate::row(std::size_t point) const {
