@@ -12,7 +12,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "app/run/file_rights.h"
+#include "vision/frames/file_rights.h"
 
 namespace skein::app {
 namespace {
@@ -72,7 +72,7 @@ tl::expected<void, std::string> FileChange::save(std::string_view text) {
     if (count <= 0) return failed(path_);
     rest.remove_prefix(static_cast<std::size_t>(count));
   }
-  keep_rights(target_, draft_);
+  vision::keep_rights(target_, draft_);
   // On the disk before it takes the name: a power cut leaves the old file or the new one.
   if (::fsync(draft_) != 0 || std::rename(draft_path().c_str(), target_.c_str()) != 0) return failed(path_);
   ::close(std::exchange(draft_, -1));

@@ -20,7 +20,7 @@
 #include <thread>
 #include <utility>
 
-#include "app/run/file_rights.h"
+#include "vision/frames/file_rights.h"
 
 namespace skein::app {
 namespace {
@@ -175,7 +175,7 @@ tl::expected<DiskWriter, std::string> DiskWriter::open(const std::string& path, 
     if (state->file < 0 && errno == EWOULDBLOCK) return tl::unexpected(written_by_another(path));
   }
   if (state->file < 0) return tl::unexpected(cannot(path, errno));
-  if (!state->published) keep_rights(state->path, state->file);
+  if (!state->published) vision::keep_rights(state->path, state->file);
   std::thread([state] { state->run(); }).detach();
   return DiskWriter(std::move(state));
 }

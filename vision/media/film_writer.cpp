@@ -1,10 +1,14 @@
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <system_error>
 
+#include "vision/frames/file_rights.h"
 #include "vision/media/libav.h"
 #include "vision/media/sources.h"
 
@@ -30,10 +34,7 @@ class MatroskaFilm final : public FilmWriter {
 
   /// Empty, or what is in the way.
   std::string create() {
-    // A kept run may hold what was there by a name of its own: a new film is a new file.
-    std::error_code error;
-    const std::filesystem::path there = std::filesystem::canonical(path_, error);
-    if (!error && std::filesystem::is_regular_file(there, error)) std::filesystem::remove(there, error);
+    renew();
     if (avformat_alloc_output_context2(&file_, nullptr, "matroska", path_.c_str()) < 0) return failed(AVERROR(ENOMEM));
     const int opened = avio_open(&file_->pb, ("file:" + path_).c_str(), AVIO_FLAG_WRITE);
     return opened < 0 ? failed(opened) : std::string();
@@ -81,6 +82,20 @@ class MatroskaFilm final : public FilmWriter {
   }
 
  private:
+  /// A kept run may hold what was there by a name of its own: a new film is a new file, with the rights of the old one.
+  void renew() const {
+    std::error_code error;
+    const std::filesystem::path there = std::filesystem::canonical(path_, error);
+    if (error || !std::filesystem::is_regular_file(there, error)) return;
+    const std::string draft = there.string() + ".new";
+    const int file = ::open(draft.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, S_IRUSR | S_IWUSR);
+    if (file < 0) return;
+    keep_rights(there, file);
+    ::close(file);
+    std::filesystem::rename(draft, there, error);
+    if (error) std::filesystem::remove(draft, error);
+  }
+
   std::string failed(int error) const { return fmt::format("{}: cannot be written: {}", path_, reason(error)); }
 
   std::string begin(const Frame& frame) {

@@ -371,6 +371,23 @@ TEST(Recorder, ANewFilmLeavesOtherNamesOfAnOldOneAlone) {
   EXPECT_NE(test::read_file(kept), before);
 }
 
+/// A private one stays private.
+TEST(Recorder, ANewFilmHasTheRightsOfTheOldOne) {
+  constexpr auto own = std::filesystem::perms::owner_read | std::filesystem::perms::owner_write;
+  test::Folder folder;
+  const std::string path = folder.file("film.mkv");
+  std::ofstream(path) << "an old one";
+  std::filesystem::permissions(path, own);
+  {
+    auto recorder = Recorder::open(path);
+    ASSERT_TRUE(recorder) << recorder.error();
+    (*recorder)->add(test::uniform_frame(32, 16, 0));
+  }
+  EXPECT_EQ(std::filesystem::status(path).permissions(), own);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(std::filesystem::path(path).parent_path()), {}), 1)
+      << "nothing is left beside it";
+}
+
 TEST(Recorder, SaysWhereItCannotWrite) {
   const auto recorder = Recorder::open("/no/such/folder/film.mkv");
   ASSERT_FALSE(recorder);
