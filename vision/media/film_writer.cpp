@@ -182,7 +182,7 @@ class MatroskaFilm final : public FilmWriter {
     read_.index = frame.index;
     read_.captured_at = frame.captured_at;
     read_.note = frame.note;
-    return to_grey(*decoded_, scaler_, read_) ? 0 : AVERROR_INVALIDDATA;
+    return to_grey(*decoded_, greys_, read_) ? 0 : AVERROR_INVALIDDATA;
   }
 
   /// Text beside the frame: BlockAdditional, whose id, 1, comes first.
@@ -201,7 +201,7 @@ class MatroskaFilm final : public FilmWriter {
   Codec codec_, decoder_;  // there is a decoder where pixels do not come back as they were
   Picture picture_, decoded_;
   Packet packet_;
-  Scaler scaler_;
+  Greys greys_;
   Frame read_;
   bool begun_ = false;
   double first_at_ = 0.0;

@@ -21,14 +21,10 @@ namespace fs = std::filesystem;
 
 constexpr std::uintmax_t most_bytes = 1'000'000'000;  // of a file: more is no picture
 
-/// 16 bits hold what a sensor measured with 10 or 12, and only some formats of files tell how many. As many count as
-/// the brightest pixel needs: read as 16, such a picture would be almost black.
 void to_eight_bits(cv::Mat& picture) {
   double brightest = 0.0;
   cv::minMaxLoc(picture, nullptr, &brightest);
-  constexpr std::array depths = {10, 12, 14};  // of sensors; else all 16 are used
-  const auto* const depth = std::find_if(depths.begin(), depths.end(), [&](int bits) { return brightest < 1 << bits; });
-  const int bits = depth == depths.end() ? 16 : *depth;
+  const int bits = bits_used(static_cast<int>(brightest));
   for (int v = 0; v < picture.rows; ++v) {
     auto* const row = picture.ptr<std::uint16_t>(v);
     for (int u = 0; u < picture.cols; ++u) row[u] = static_cast<std::uint16_t>(row[u] >> (bits - 8));

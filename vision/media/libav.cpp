@@ -3,6 +3,7 @@
 extern "C" {
 #include <libavutil/crc.h>
 #include <libavutil/display.h>
+#include <libavutil/intreadwrite.h>
 }
 
 #include <fmt/format.h>
@@ -12,6 +13,8 @@ extern "C" {
 #include <charconv>
 #include <cmath>
 #include <cstring>
+
+#include "vision/media/sources.h"
 
 namespace skein::vision::media {
 
@@ -62,7 +65,26 @@ std::string asked_turn(const AVStream& stream) {
   return degrees > 0.5 ? fmt::format("turn its pictures by {:.0f} degrees", degrees) : std::string();
 }
 
-bool to_grey(const AVFrame& picture, Scaler& scaler, Frame& frame) {
+namespace {
+
+/// Grey levels of 16 bits, of which a sensor may fill fewer: what converts them takes all of them for used.
+void words_to_grey(const AVFrame& picture, int& bits, Frame& frame) {
+  const bool little = picture.format == AV_PIX_FMT_GRAY16LE;
+  const auto for_each = [&](auto&& use) {
+    for (int v = 0; v < frame.height; ++v) {
+      const std::uint8_t* row = picture.data[0] + static_cast<std::ptrdiff_t>(v) * picture.linesize[0];
+      for (int u = 0; u < frame.width; ++u, row += 2) use(v, u, little ? AV_RL16(row) : AV_RB16(row));
+    }
+  };
+  int brightest = 0;
+  for_each([&](int, int, int grey) { brightest = std::max(brightest, grey); });
+  bits = std::max(bits, bits_used(brightest));
+  for_each([&](int v, int u, int grey) { frame.row(v)[u] = static_cast<std::uint8_t>(grey >> (bits - 8)); });
+}
+
+}  // namespace
+
+bool to_grey(const AVFrame& picture, Greys& greys, Frame& frame) {
   const int width = picture.width;
   const int height = picture.height;
   if (width <= 0 || height <= 0) return false;
@@ -72,6 +94,11 @@ bool to_grey(const AVFrame& picture, Scaler& scaler, Frame& frame) {
       std::copy_n(picture.data[0] + static_cast<std::ptrdiff_t>(v) * picture.linesize[0], width, frame.row(v));
     return true;
   }
+  if (picture.format == AV_PIX_FMT_GRAY16LE || picture.format == AV_PIX_FMT_GRAY16BE) {
+    words_to_grey(picture, greys.bits, frame);
+    return true;
+  }
+  Scaler& scaler = greys.scaler;
   scaler.reset(sws_getCachedContext(scaler.release(), width, height, static_cast<AVPixelFormat>(picture.format), width,
                                     height, AV_PIX_FMT_GRAY8, SWS_POINT, nullptr, nullptr, nullptr));
   if (!scaler) return false;

@@ -39,9 +39,13 @@ using Scaler = std::unique_ptr<SwsContext, ScalerDeleter>;
 /// How a film asks players to show its pictures: "turn its pictures by 90 degrees"; empty: as they are.
 std::string asked_turn(const AVStream& stream);
 
-/// A decoded picture as grey values; false: its pixel format cannot be converted. `scaler` is kept from picture to
-/// picture.
-bool to_grey(const AVFrame& picture, Scaler& scaler, Frame& frame);
+/// What is kept from picture to picture of a film.
+struct Greys {
+  Scaler scaler{};
+  int bits = 0;  // of pixels with 16: those that the brightest one so far needs
+};
+/// A decoded picture as grey values; false: its pixel format cannot be converted.
+bool to_grey(const AVFrame& picture, Greys& greys, Frame& frame);
 
 /// FFmpeg's message for one of its error numbers.
 std::string reason(int error);

@@ -282,7 +282,7 @@ class Video final : public FrameSource {
     }
     if (picture_->width != width_ || picture_->height != height_)
       return fmt::format("is {}x{} px, and the film {}x{}", picture_->width, picture_->height, width_, height_);
-    if (!to_grey(*picture_, scaler_, frame)) return "is of a pixel format that cannot be converted";
+    if (!to_grey(*picture_, greys_, frame)) return "is of a pixel format that cannot be converted";
     if (recorded_) {
       const auto stamp = stamps_.extract(picture_->pts);
       stamps_.erase(stamps_.begin(), stamps_.lower_bound(picture_->pts));  // of packets that no picture came from
@@ -337,7 +337,7 @@ class Video final : public FrameSource {
   Codec codec_;
   Picture picture_;
   Packet packet_;
-  Scaler scaler_;
+  Greys greys_;
   Frame judged_;  // of a JPEG, read by a decoder that tells what it meets
   FilmNotes notes_;
   std::vector<std::string> remarks_;

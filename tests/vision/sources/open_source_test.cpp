@@ -152,7 +152,7 @@ TEST(Images, AreReadAsTheSensorTookThemWhicheverWayUpTheCameraWasHeld) {
 }
 
 /// A sensor's 10 or 12 bits in files of 16, as other programs write them: they were read as if 16 were used, and almost
-/// black.
+/// black. To FFmpeg a picture is a film of one frame.
 TEST(Images, TheBitsThatAreUsedCount) {
   for (const int bits : {10, 12, 14, 16}) {
     test::Folder folder;
@@ -162,11 +162,13 @@ TEST(Images, TheBitsThatAreUsedCount) {
       pixels += {static_cast<char>(value >> 8), static_cast<char>(value & 255)};
     }
     test::write_file(folder.file("a.pgm"), "P5\n4 1\n65535\n" + pixels);
-    const auto source = open_source("images:" + folder.path());
-    ASSERT_TRUE(source) << source.error();
-    Frame frame;
-    ASSERT_TRUE((*source)->read(frame).value());
-    EXPECT_EQ(frame.grey, (Frame::Grey{0, 10, 128, 255})) << bits;
+    for (const std::string& address : {"images:" + folder.path(), "video:" + folder.file("a.pgm")}) {
+      const auto source = open_source(address);
+      ASSERT_TRUE(source) << source.error();
+      Frame frame;
+      ASSERT_TRUE((*source)->read(frame).value()) << address;
+      EXPECT_EQ(frame.grey, (Frame::Grey{0, 10, 128, 255})) << address << ", " << bits;
+    }
   }
 }
 
