@@ -190,8 +190,12 @@ std::string milliseconds(double seconds) {
 }  // namespace
 
 void CameraExamination::add(const Frame& frame) {
-  if (frame.width < grid_step || frame.height < grid_step) return;
-  if (!samples_.empty() && (frame.width != samples_.front().width || frame.height != samples_.front().height)) return;
+  const bool other =
+      !samples_.empty() && (frame.width != samples_.front().width || frame.height != samples_.front().height);
+  if (other || frame.width < grid_step || frame.height < grid_step) {
+    ++other_size_;
+    return;
+  }
   stamps_.push_back(frame.captured_at);
   if (frame.arrived_at > 0.0) latencies_.push_back(frame.arrived_at - frame.captured_at);
   grid_.swap(last_grid_);
@@ -222,6 +226,7 @@ void CameraExamination::add(const Frame& frame) {
 CameraMeasurements CameraExamination::measure() const {
   CameraMeasurements measured;
   measured.frames = static_cast<std::int64_t>(stamps_.size());
+  measured.other_size = other_size_;
   measure_stamps(stamps_, measured);
   measured.latency = quantile(latencies_, 0.5);
   measured.latency_p99 = quantile(latencies_, 0.99);
@@ -273,6 +278,13 @@ std::vector<CameraFinding> CameraExamination::judge(const CameraMeasurements& m)
     return value >= much ? State::ill : value >= some ? State::note : State::well;
   };
   const bool timed = facts_.stamps != TimeStamps::nominal, film = facts_.stamps == TimeStamps::film;
+  if (m.other_size > 0)
+    say(State::ill, "size",
+        samples_.empty() ? fmt::format("the frames have fewer than {} pixels from edge to edge", grid_step)
+                         : fmt::format("{} of {} frames have another size than the first one's {}x{} px", m.other_size,
+                                       m.frames + m.other_size, samples_.front().width, samples_.front().height),
+        "one size for all: a calibration holds for no other");
+  if (m.frames == 0 && m.other_size > 0) return findings;
   // Of a film that is over, or of pictures: what one frame shows is judged, and no rate made of the times of two.
   const bool enough = m.frames >= (film ? few_frames : 2);
   if (m.frames == 0 || (!enough && timed && !film)) {

@@ -33,6 +33,7 @@ struct CameraFacts {
 /// What its frames show. NaN: not measurable.
 struct CameraMeasurements {
   std::int64_t frames = 0;
+  std::int64_t other_size = 0;  // frames that were left out: their size is not the first one's, or is a few pixels
   double rate = 0.0;            // real; missing frames count [frames/s]
   double stamp_jitter = 0.0;    // rms deviation of stamp intervals from multiples of the usual one [s]
   std::int64_t missing = 0;     // frames, by gaps between stamps
@@ -75,6 +76,7 @@ class CameraExamination {
   std::vector<std::uint8_t> grid_, last_grid_;
   std::size_t grid_columns_ = 0;
   std::vector<Frame> samples_;
+  std::int64_t other_size_ = 0;
 };
 
 }  // namespace skein::vision

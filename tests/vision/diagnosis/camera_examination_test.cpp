@@ -205,6 +205,23 @@ TEST(CameraExamination, DarkAndBrightPicturesAreNamed) {
   EXPECT_EQ(faults(lab.examine()).at(0), "ILL exposure");
 }
 
+/// They came: neither cable nor other programs are to blame.
+TEST(CameraExamination, FramesOfOtherSizesAreNamed) {
+  const auto examined = [](const std::vector<std::pair<int, int>>& sizes) {
+    CameraExamination examination({.stamps = TimeStamps::nominal});
+    for (const auto& [width, height] : sizes) examination.add(test::uniform_frame(width, height, 128));
+    return examination.judge(examination.measure()).front();
+  };
+  const CameraFinding tiny = examined({{3, 3}}), mixed = examined({{640, 480}, {640, 480}, {320, 240}});
+  EXPECT_EQ(tiny.what, "size");
+  EXPECT_EQ(tiny.state, State::ill);
+  EXPECT_EQ(tiny.found, "the frames have fewer than 4 pixels from edge to edge");
+  EXPECT_EQ(mixed.what, "size");
+  EXPECT_EQ(mixed.state, State::ill);
+  EXPECT_EQ(mixed.found, "1 of 3 frames have another size than the first one's 640x480 px");
+  EXPECT_EQ(examined({{640, 480}, {640, 480}}).what, "stamps") << "the control";
+}
+
 TEST(CameraExamination, WhatCannotBeSeenIsSaid) {
   CameraExamination nothing({});
   EXPECT_EQ(faults(nothing.judge(nothing.measure())), Names{"ILL frames"});
