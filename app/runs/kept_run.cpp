@@ -222,7 +222,7 @@ std::optional<std::string> wrong_clock() {
 }
 
 tl::expected<KeptRun, std::string> KeptRun::begin(const KeepRequest& request, const Experiment& experiment) {
-  const auto now = std::chrono::system_clock::now();
+  const auto now = request.clock ? request.clock() : std::chrono::system_clock::now();
   std::string text = request.text.empty() ? std::string(embedded::platoon_toml) : request.text;
   if (!request.experiment.empty()) {
     auto read = read_text(request.experiment);
@@ -262,7 +262,7 @@ tl::expected<KeptRun, std::string> KeptRun::begin(const KeepRequest& request, co
     return tl::unexpected(written.error());
   }
   hold_room(folder);
-  return KeptRun(folder.string(), experiment, std::move(begun));
+  return KeptRun(folder.string(), experiment, std::move(begun), now);
 }
 
 Done KeptRun::end(const Statistics::Summary& summary, const End& how) {
@@ -287,7 +287,8 @@ Done KeptRun::end(const Statistics::Summary& summary, const End& how) {
 
   Json story = Json::parse(head_);
   story["state"] = !summary.failure.empty() ? "failed" : summary.stopped ? "stopped" : "finished";
-  story["ended"] = local_time(std::chrono::system_clock::now());
+  const auto lasted = std::chrono::steady_clock::now() - since_;
+  story["ended"] = local_time(began_ + std::chrono::duration_cast<std::chrono::system_clock::duration>(lasted));
   story["exit_status"] = how.exit_status;
   story["problems"] = how.problems;
   for (const std::string& set : how.sets) story["sets"].push_back(set);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <map>
 #include <optional>
 #include <string>
@@ -21,6 +22,7 @@ struct KeepRequest {
   std::vector<std::string> words;  ///< the command line
   bool real_time = false;
   std::string text{};  ///< as it was written, if there is no file; empty: the paper's experiment, which is built in
+  std::chrono::system_clock::time_point (*clock)() = nullptr;  ///< the time of the day; null: the machine's
 };
 
 /// What a clock of the day says by which no run is named and found rightly: kept runs are ordered in nanoseconds, which
@@ -51,11 +53,15 @@ class KeptRun {
   bool complete() const noexcept { return complete_; }
 
  private:
-  KeptRun(std::string folder, const Experiment& experiment, std::string head)
-      : folder_(std::move(folder)), experiment_(experiment), head_(std::move(head)) {}
+  KeptRun(std::string folder, const Experiment& experiment, std::string head,
+          std::chrono::system_clock::time_point began)
+      : folder_(std::move(folder)), experiment_(experiment), head_(std::move(head)), began_(began) {}
   std::string folder_;
   Experiment experiment_;
   std::string head_;  // run.json as it was written at the beginning
+  std::chrono::system_clock::time_point began_;
+  std::chrono::steady_clock::time_point since_ =
+      std::chrono::steady_clock::now();  // began_, on a clock that nobody sets
   bool complete_ = false;
 };
 

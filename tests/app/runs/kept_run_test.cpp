@@ -238,6 +238,22 @@ TEST(KeptRun, HasAllThatItCameFromAndAllThatItGave) {
   EXPECT_EQ(story["files"].size() + 1, files_of_run(run).size()) << "all but run.json itself";
 }
 
+/// A laptop gets the time from its network a while after it was switched on; here the clock goes back each time that it
+/// is asked.
+TEST(KeptRun, EndsAfterItBeganThoughTheClockIsSetBackMeanwhile) {
+  using Clock = std::chrono::system_clock;
+  const Folder folder;
+  KeepRequest request{folder / "runs", {}, {}, {}, true, text};
+  request.clock = +[] {
+    static Clock::time_point next = Clock::now();
+    return std::exchange(next, next - std::chrono::hours(1));
+  };
+  auto kept = KeptRun::begin(request, paper_experiment()).value();
+  ASSERT_TRUE(kept.end({}, {}));
+  const auto story = read_story(kept.folder()).value();
+  EXPECT_GE(story["ended"].get<std::string>(), story["began"].get<std::string>());
+}
+
 TEST(KeptRun, RunsOfOneSecondHaveFoldersOfTheirOwn) {
   const Folder folder;
   std::set<std::string> names;
