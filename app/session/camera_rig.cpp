@@ -211,12 +211,14 @@ void CameraRig::process_frame() {
 }
 
 /// The only place that knows of camera.latency: film, tracker and tick get the corrected time. Nothing is captured
-/// after it has arrived.
+/// after it has arrived: the operator is told of a clock that says so.
 bool CameraRig::capture() {
   repeat_watch_.keep(frame_);
   if (!(rendered_ ? render() : receive())) return false;
-  frame_.captured_at = std::min(frame_.captured_at - spec_.latency, seen_.times.arrived_at);
-  seen_.times.captured_at = frame_.captured_at;
+  const double captured_at = frame_.captured_at - spec_.latency, arrived_at = seen_.times.arrived_at;
+  if (std::string ahead = stamp_watch_.update_ahead(captured_at - arrived_at, arrived_at); !ahead.empty())
+    findings_.tell(prefix_ + ahead);
+  frame_.captured_at = seen_.times.captured_at = std::min(captured_at, arrived_at);
   return true;
 }
 

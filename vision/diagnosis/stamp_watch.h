@@ -3,6 +3,8 @@
 #include <optional>
 #include <string>
 
+#include "vision/diagnosis/lasting_fault.h"
+
 namespace skein::vision {
 
 /// A camera whose time stamps make every pose too old to drive by, however good its pictures are: stamps that stand
@@ -18,6 +20,9 @@ class StampWatch {
 
   /// A frame by its stamp, and when it arrived. true: `fault` has begun or ended.
   bool update(double captured_at, double arrived_at);
+  /// The same frame, before its stamp was limited to its arrival: how much later the stamp is [s]. A sentence without a
+  /// full stop once that has lasted, and not again until stamps are right; otherwise empty.
+  std::string update_ahead(double by, double arrived_at);
   /// A sentence without a full stop, for people: "its time stamps do not advance"; empty: none.
   const std::string& fault() const noexcept { return fault_; }
 
@@ -26,6 +31,7 @@ class StampWatch {
   std::optional<double> newest_;   // of all stamps
   std::optional<double> well_at_;  // when the last good one arrived
   std::string fault_;
+  LastingFault ahead_;
 };
 
 }  // namespace skein::vision

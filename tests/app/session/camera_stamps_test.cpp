@@ -35,6 +35,14 @@ TEST(CameraStamps, AreNotSpokenOfWhereRobotsDriveByThem) {
   EXPECT_FALSE(run.down);
 }
 
+/// A camera's clock that is ahead, by a latency that makes every stamp later.
+TEST(CameraStamps, ThatAreLaterThanTheArrivalAreTold) {
+  const RenderedPlatoon run(5.0, {"camera.latency=-0.05"});
+  EXPECT_EQ(run.end, Phase::finished);
+  EXPECT_FALSE(run.down);
+  EXPECT_THAT(run.told, ElementsAre(HasSubstr("its time stamps are 50 ms later than the arrival of their frames")));
+}
+
 void write_pgm(const vision::Frame& frame, const std::string& path) {
   std::ofstream(path, std::ios::binary) << "P5\n"
                                         << frame.width << " " << frame.height << "\n255\n"

@@ -8,6 +8,7 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::StartsWith;
 
 /// Frames that arrive every 40 ms, 10 ms after their capture.
 struct StampedCamera {
@@ -58,6 +59,19 @@ TEST(StampWatch, KnowsFramesThatComeTooLateFromTheFirstOn) {
   camera.frames(20, 0.3);
   EXPECT_THAT(camera.watch.fault(), HasSubstr("0.31 s old when they arrive"));
   EXPECT_THAT(camera.watch.fault(), HasSubstr("estimation.bridge is 0.2 s"));
+}
+
+TEST(StampWatch, TellsOnceOfStampsThatAreAheadOfTheArrival) {
+  StampWatch watch(0.2);
+  std::string told;
+  for (int k = 0; k < 200; ++k) told += watch.update_ahead(0.012, 0.04 * k);
+  EXPECT_THAT(told, StartsWith("its time stamps are 12 ms later than the arrival of their frames"));
+  EXPECT_EQ(told.find("its time stamps", 1), std::string::npos) << "once";
+}
+
+TEST(StampWatch, ASingleStampThatIsAheadIsNoMatterNorAreMicroseconds) {
+  StampWatch watch(0.2);
+  for (int k = 0; k < 200; ++k) EXPECT_THAT(watch.update_ahead(k % 25 == 0 ? 0.1 : 2e-4, 0.04 * k), IsEmpty());
 }
 
 TEST(StampWatch, SingleLateFramesAreNoMatter) {
