@@ -248,12 +248,18 @@ bool CameraRig::receive() {
   return true;
 }
 
-/// A film that ends while a run still waits for its robots never shows some of them.
+/// A film that ends while a run still waits for its robots never shows some of them; its last frame tells why.
 std::string CameraRig::never_seen() const {
   std::string all;
-  for (std::size_t i = 0; i < experiment_.robots.size(); ++i)
-    if (last_sights_->newest(i) <= core::Measurement::never)
-      all += fmt::format("{} {} (robot {})", all.empty() ? "; tags never seen:" : ",", wanted_[i], i + 1);
+  std::vector<vision::MissingTag> missing;
+  for (std::size_t i = 0; i < experiment_.robots.size(); ++i) {
+    if (last_sights_->newest(i) > core::Measurement::never) continue;
+    all += fmt::format("{} {} (robot {})", all.empty() ? "; tags never seen:" : ",", wanted_[i], i + 1);
+    missing.push_back(findings_.missing_tag(i, seen_.tags[i]));
+  }
+  if (missing.empty() || frame_.width == 0) return all;
+  for (const UnseenTag& tag : findings_.why_not_seen(frame_, missing))
+    if (tag.why != core::NotSeen::not_found) all += "; " + tag.text();
   return all;
 }
 

@@ -202,6 +202,23 @@ TEST(CameraRig, AFilmThatEndsBeforeAllAreSeenNamesThoseThatItDoesNotShow) {
                                       "4 (robot 4)");
 }
 
+/// By a film of two seconds nobody waits the ten until a run asks for the reason.
+TEST(CameraRig, AFilmThatEndsBeforeItsTagsAreAcceptedSaysWhyTheyAreNot) {
+  Lab lab;
+  for (int k = 20; k < 500; ++k) fs::remove(lab.folder / "film" / (std::to_string(k) + ".pgm"));
+  const Experiment experiment = lab.experiment("cal.toml");
+  OpenRig opened(experiment, false);
+  ASSERT_TRUE(opened.rig);
+  for (int k = 0; k < 21; ++k) {
+    opened.clock.set(0.04 * k);
+    opened.rig->process_frame();
+  }
+  EXPECT_TRUE(opened.rig->reason().ends_with(
+      "4 (robot 4); tag 1 is there, but its edge is 40 mm, 33 % smaller than [tags] size 60 mm: correct the size, or "
+      "[tags] height if all robots' tags are off by as much"))
+      << opened.rig->reason();
+}
+
 TEST(CameraRig, AFrameThatIsDueIsWatchedForWithoutSleeping) {
   const Lab lab;
   const Experiment experiment = lab.experiment("cal.toml");
