@@ -33,6 +33,8 @@ int check(const ExperimentRequest& request, bool controller) {
   const Certificate certificate = certify(*experiment);
   fmt::print("experiment: {}\n{}", shown(experiment->name), as_lines(certificate));
   for (const std::string& sentence : missing_ways(*experiment)) fmt::print("way: {}\n", shown(sentence));
+  for (const UnguardedCalibration& one : unguarded_calibrations(*experiment))
+    fmt::print("calibration: {}\n", shown(one.sentence));
   for (std::size_t i = 0; i < experiment->robots.size(); ++i) {
     const RobotSpec& robot = experiment->robots[i];
     if (!robot.is_real()) continue;

@@ -16,6 +16,7 @@ namespace skein::app {
 struct Picture {
   int width = 0, height = 0;
   std::vector<std::uint8_t> grey;  ///< row by row, 0 black
+  double captured_at = none;       ///< as the frame's [s]
 };
 
 /// A robot's wheel counters, read by it between two times of the session's clock: usually the question and the answer.
@@ -45,7 +46,8 @@ struct MarksStatus {
   bool watched = false;  ///< there are marks that can be looked for
   bool known = true;     ///< whether a camera moved; false: not looked at yet, or too few marks are seen
   std::optional<events::CameraMoved> moved{};  ///< a camera has moved
-  std::string sentence{};                      ///< in words; empty: there is nothing to say
+  std::string exchanged{};  ///< two of several cameras have each other's calibration, in words; empty: it does not show
+  std::string sentence{};   ///< in words; empty: there is nothing to say
 };
 
 /// What a camera sees of a tag that has no pose.
@@ -62,11 +64,21 @@ struct UnseenTag {
   std::string text() const { return file.empty() ? sentence : sentence + " (picture: " + file + ")"; }
 };
 
+/// Two cameras that look at one floor.
+struct CameraPair {
+  std::size_t first = 0, second = 1;  ///< from 0
+  bool compared = false;              ///< both have seen a robot at once, since they were opened or since the start
+  std::size_t robot = 0;              ///< whom they see `apart`
+  double apart = 0.0;                 ///< if they go on to see it more than 5 mm apart; 0: they do not [m]
+};
+
 /// What is known about the cameras before a start.
 struct CameraStatus {
   std::string down{};                     ///< why they do not deliver frames; empty: they do
   MarksStatus marks{};                    ///< on the floor
   std::vector<std::string> automatics{};  ///< "exposure", "gain", "focus": what they set by themselves, unasked
+  std::vector<CameraPair> pairs{};        ///< any two of several
+  std::vector<std::string> unguarded{};   ///< of several: by what it does not show yet whose a calibration is, and why
   std::vector<UnseenTag> why_lost{};      ///< by robot: why its tag was not seen when that was last looked for
 };
 

@@ -38,6 +38,12 @@ CameraFindings::CameraFindings(const Experiment& experiment, std::size_t number,
       mark_watch_(calibration, wanted_tags(experiment)),
       why_lost_(experiment.robots.size()) {
   marks_.watched = mark_watch_.marks() >= vision::MarkWatch::least_seen;
+  for (std::size_t k = 0; k < experiment.cameras(); ++k) {
+    const auto of_other = k == number ? tl::unexpected(std::string()) : camera_calibration(experiment, k);
+    if (of_other && vision::MarkWatch(*of_other, wanted_tags(experiment)).marks() >= vision::MarkWatch::least_seen)
+      others_.emplace_back(k, *of_other);
+  }
+  looks_for_marks_ = marks_.watched || !others_.empty();
   marks_.known = !marks_.watched;
 }
 
@@ -154,13 +160,6 @@ void CameraFindings::watch_absences(const vision::Frame& frame, std::span<const 
   if (!wall_clock_) explain({frame, missing_, seen_elsewhere_});
 }
 
-bool CameraFindings::shows(const vision::Frame& frame, const core::Pose& pose) const {
-  const auto at = vision::pixel_from_world(calibration_, {pose.x, pose.y, calibration_.tag_height});
-  const double reach = 1.5 * vision::tag_edge_px(calibration_);  // nearer to the border a tag may be cut by it
-  return at && at->x() >= reach && at->y() >= reach && at->x() <= frame.width - 1.0 - reach &&
-         at->y() <= frame.height - 1.0 - reach;
-}
-
 /// Robots that another camera sees, or has seen last, where this one should see them too: without this nobody would
 /// know of a camera that is blind until a robot drives under it alone.
 void CameraFindings::expect_here(const vision::Frame& frame, std::span<const core::Measurement> tags,
@@ -173,7 +172,7 @@ void CameraFindings::expect_here(const vision::Frame& frame, std::span<const cor
                                        [&](const vision::SeenElsewhere& seen) { return seen.tag == wanted_[i]; });
     const bool here = tags[i].captured_at >= now;
     if (!here && by_other != elsewhere.end())
-      pose = shows(frame, by_other->pose) ? std::optional(by_other->pose) : std::nullopt;
+      pose = shows_tag(calibration_, by_other->pose.x, by_other->pose.y) ? std::optional(by_other->pose) : std::nullopt;
     else if (here || !absence.lasts(now))
       pose.reset();  // what hides it, if it is not seen, hides it from all
     if (!pose) {
@@ -231,12 +230,17 @@ events::CameraMoved CameraFindings::moved() const {
 
 /// Now and then, and soon again where a sight is to be confirmed.
 void CameraFindings::watch_marks(const vision::Frame& frame) {
-  if (!marks_.watched || !size_fault(frame, calibration_).empty() ||
+  if (!looks_for_marks_ || !size_fault(frame, calibration_).empty() ||
       frame.captured_at < next_look_.load(std::memory_order_acquire))
     return;
   // The first ones, on which a start waits, are not left to a thread that a busy machine lets wait: robots still stand.
   constexpr int most_own_looks = 4;
-  if (!wall_clock_ || (marks().sentence.empty() && own_looks_++ < most_own_looks)) return look_at_marks(frame);
+  const bool own_look = !wall_clock_ || (marks().sentence.empty() && own_looks_ < most_own_looks);
+  if (own_look) {
+    ++own_looks_;
+    looks_for_marks_ = marks_.watched || own_looks_ < most_own_looks;
+    return look_at_marks(frame);
+  }
   const std::unique_lock lock(mutex_, std::try_to_lock);
   if (!lock || floor_) return;
   floor_.emplace(frame);
@@ -244,8 +248,33 @@ void CameraFindings::watch_marks(const vision::Frame& frame) {
 }
 
 void CameraFindings::look_at_marks(const vision::Frame& frame) {
-  constexpr double between = 2.0, in_doubt = 0.5;  // [s]
+  constexpr double between = 2.0;  // [s]
   next_look_.store(frame.captured_at + between, std::memory_order_release);
+  if (marks_.watched) look_at_own_marks(frame);
+  const auto known = mark_watch_.known();
+  own_ = own_ || (known && (known->state == vision::MarkSight::State::in_place ||
+                            known->state == vision::MarkSight::State::some_moved));
+  const std::optional<std::size_t> whose = own_ ? std::nullopt : whose_marks(frame);
+  const std::lock_guard lock(mutex_);
+  if (whose && marks_.exchanged.empty())
+    marks_.exchanged =
+        fmt::format("{}the marks on the floor show that {}, which camera {} has, is this camera's calibration", prefix_,
+                    experiment_.camera_at(*whose).calibration, *whose + 1);
+}
+
+/// The camera in whose calibration they are where this picture shows them.
+std::optional<std::size_t> CameraFindings::whose_marks(const vision::Frame& frame) const {
+  for (const auto& [number, calibration] : others_) {
+    if (!size_fault(frame, calibration).empty()) continue;
+    vision::MarkWatch watch(calibration, std::span(wanted_).first(experiment_.robots.size()));
+    watch.update(frame);
+    if (watch.known() && watch.known()->state == vision::MarkSight::State::in_place) return number;
+  }
+  return {};
+}
+
+void CameraFindings::look_at_own_marks(const vision::Frame& frame) {
+  constexpr double in_doubt = 0.5;  // [s]
   const bool was_blind = mark_watch_.blind() != nullptr;
   const bool news = mark_watch_.update(frame);
   if (mark_watch_.doubts()) next_look_.store(frame.captured_at + in_doubt, std::memory_order_release);

@@ -82,10 +82,11 @@ class CameraFindings {
   UnseenTag unseen_tag(const vision::Frame& frame, const vision::TagDiagnosis& tag) const;
   void expect_here(const vision::Frame& frame, std::span<const core::Measurement> tags,
                    std::span<const vision::SeenElsewhere> elsewhere);
-  bool shows(const vision::Frame& frame, const core::Pose& pose) const;  // all of a tag there
   void explain(const Question& question);
   void tell_of_seen_elsewhere(const UnseenTag& tag);
   void look_at_marks(const vision::Frame& frame);
+  void look_at_own_marks(const vision::Frame& frame);
+  std::optional<std::size_t> whose_marks(const vision::Frame& frame) const;
   void thread(const std::stop_token& stop);
   events::CameraMoved moved() const;  // this camera
 
@@ -112,9 +113,12 @@ class CameraFindings {
   vision::ScaleWatch scale_watch_;
   vision::FocusWatch focus_watch_;
   int own_looks_ = 0;  // at the marks, not left to the thread
+  bool looks_for_marks_ = false;
   std::set<std::string> told_once_;
 
-  vision::MarkWatch mark_watch_;                             // of whoever looks at the marks
+  vision::MarkWatch mark_watch_;                                     // of whoever looks at the marks
+  std::vector<std::pair<std::size_t, vision::Calibration>> others_;  // other cameras' that have marks
+  bool own_ = false;  // the calibration is this camera's: the marks are where it has them
   std::atomic<double> next_look_{core::Measurement::never};  // at the marks [s]
 
   mutable std::mutex mutex_;  // of what follows

@@ -173,6 +173,7 @@ MarksStatus Cameras::marks() const {
     all.watched = all.watched || one.watched;
     all.known = all.known && one.known;
     if (!all.moved) all.moved = one.moved;
+    if (all.exchanged.empty()) all.exchanged = one.exchanged;
     if (!one.sentence.empty()) all.sentence += (all.sentence.empty() ? "" : "; ") + one.sentence;
   }
   return all;

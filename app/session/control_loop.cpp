@@ -37,7 +37,8 @@ ControlLoop::ControlLoop(const Experiment& experiment, SessionClock& clock, Plan
       command_times_(experiment.robots.size()),
       links_(experiment.robots.size()),
       delays_(experiment.robots.size()),
-      pairs_(new PairState[experiment.robots.size() * experiment.robots.size()]) {
+      pairs_(new PairState[experiment.robots.size() * experiment.robots.size()]),
+      compared_(new std::atomic<Compared>[experiment.cameras() * experiment.cameras()]()) {
   out_.events.reserve(tick_.record().events.limit());
   input_.events.reserve(tick_.record().events.limit());
   obeyed_.reserve(tick_.record().events.limit());
@@ -61,6 +62,27 @@ void ControlLoop::publish_couplings() noexcept {
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = 0; j < n; ++j)
       if (i != j) pairs_[pair(i, j)].coupled.store(couplings.coupled(i, j), std::memory_order_relaxed);
+}
+
+void ControlLoop::publish_comparisons() noexcept {
+  const std::size_t n = experiment_.cameras();
+  for (std::size_t a = 0; a < n; ++a)
+    for (std::size_t b = a + 1; b < n; ++b) {
+      const core::CameraFusion::Comparison& of = tick_.compared(a, b);
+      compared_[a * n + b].store({static_cast<float>(of.apart), static_cast<std::uint16_t>(of.robot), of.compared},
+                                 std::memory_order_release);
+    }
+}
+
+std::vector<CameraPair> ControlLoop::camera_pairs() const {
+  const std::size_t n = experiment_.cameras();
+  std::vector<CameraPair> pairs;
+  for (std::size_t a = 0; a < n; ++a)
+    for (std::size_t b = a + 1; b < n; ++b) {
+      const Compared of = compared_[a * n + b].load(std::memory_order_acquire);
+      pairs.push_back({a, b, of.compared, of.robot, of.apart});
+    }
+  return pairs;
 }
 
 void ControlLoop::cycle(double now, int elapsed) {
@@ -112,6 +134,7 @@ void ControlLoop::cycle(double now, int elapsed) {
     }
   }
   publish_couplings();
+  publish_comparisons();
   const auto unseen =
       std::find_if(record.robots.begin(), record.robots.end(), [](const RobotRecord& r) { return r.is(lost); });
   unseen_.store(unseen == record.robots.end() ? -1 : static_cast<int>(unseen - record.robots.begin()),
@@ -153,10 +176,8 @@ void ControlLoop::ask_controller() noexcept {
   input_.controller = controller_->state();
 }
 
-/// Passes on which cameras differ. If the tick has stopped all robots because of a bumped camera, so do the links.
+/// If the tick has stopped all robots because of a bumped camera, so do the links.
 void ControlLoop::heed_camera(const TickRecord& record) noexcept {
-  for (const Event& event : record.events)
-    if (const auto* const differ = std::get_if<events::CamerasDiffer>(&event)) differences_.push(*differ);
   if (record.phase != Phase::stopped || camera_moved_.load(std::memory_order_relaxed)) return;
   for (const Event& event : record.events)
     if (is<events::CameraMoved, events::CamerasDisagree>(event)) {

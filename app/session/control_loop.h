@@ -13,6 +13,7 @@
 
 #include "app/controllers/own_controller.h"
 #include "app/run/session_clock.h"
+#include "app/run/status.h"
 #include "app/run/timing.h"
 #include "app/session/bare_thread.h"
 #include "app/session/newest.h"
@@ -96,8 +97,8 @@ class ControlLoop {
   std::optional<Event> camera_moved() const noexcept {
     return camera_moved_.load(std::memory_order_acquire) ? std::optional(motion_) : std::nullopt;
   }
-  /// The next two cameras that see a robot apart, if there are any. One caller at a time.
-  bool take(events::CamerasDiffer& differ) noexcept { return differences_.pop(differ); }
+  /// What any two of several cameras say of each other.
+  std::vector<CameraPair> camera_pairs() const;
   /// Set when the control thread failed; the reason may be read then.
   bool failed() const noexcept { return failed_.load(std::memory_order_acquire); }
   const std::string& reason() const noexcept { return reason_; }
@@ -114,6 +115,7 @@ class ControlLoop {
   };
   std::size_t pair(std::size_t i, std::size_t j) const noexcept { return i * experiment_.robots.size() + j; }
   void publish_couplings() noexcept;
+  void publish_comparisons() noexcept;
   void thread(const std::stop_token& stop);
   double pace(std::chrono::steady_clock::time_point& last, const std::stop_token& stop);
   void count_lateness(double late) noexcept;
@@ -141,7 +143,6 @@ class ControlLoop {
 
   boost::lockfree::spsc_queue<OperatorCommand> commands_;
   boost::lockfree::spsc_queue<Gesture> hand_;
-  boost::lockfree::spsc_queue<events::CamerasDiffer, boost::lockfree::capacity<256>> differences_;
   TickInput input_;
   std::vector<OperatorCommand> obeyed_;  // by this tick; commands whose events have no room wait for the next
   std::vector<core::Measurement> newest_;
@@ -172,6 +173,13 @@ class ControlLoop {
   std::atomic<NotStaged> not_staged_{};
   static_assert(std::atomic<NotStaged>::is_always_lock_free);
   std::unique_ptr<PairState[]> pairs_;
+  struct Compared {  // two cameras
+    float apart = 0.0F;
+    std::uint16_t robot = 0;
+    bool compared = false;
+  };
+  static_assert(std::atomic<Compared>::is_always_lock_free);
+  std::unique_ptr<std::atomic<Compared>[]> compared_;  // camera a and a later one, b, at a * cameras + b
   std::string reason_;
   Timing timing_;
   Newest<Histogram> late_;          // of timing_.tick

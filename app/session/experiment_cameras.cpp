@@ -7,7 +7,9 @@
 #include <numbers>
 
 #include "app/calibration/calibration_file.h"
+#include "vision/diagnosis/mark_watch.h"
 #include "vision/tags/tag_family.h"
+#include "vision/tags/tag_plane.h"
 
 namespace skein::app {
 namespace {
@@ -79,6 +81,49 @@ tl::expected<void, std::string> check_calibrations(const Experiment& experiment)
     places.push_back(place);
   }
   return {};
+}
+
+bool shows_tag(const vision::Calibration& calibration, double x, double y) {
+  const auto at = vision::pixel_from_world(calibration, {x, y, calibration.tag_height});
+  const double reach = 1.5 * vision::tag_edge_px(calibration);
+  return at && at->x() >= reach && at->y() >= reach && at->x() <= calibration.width - 1.0 - reach &&
+         at->y() <= calibration.height - 1.0 - reach;
+}
+
+namespace {
+
+/// Whether there is a place where both cameras see a whole tag.
+bool views_overlap(const vision::Calibration& one, const vision::Calibration& other) {
+  constexpr int steps = 24;  // across the picture, and down
+  for (int k = 0; k <= steps * steps + 2 * steps; ++k) {
+    const double u = (one.width - 1.0) * (k % (steps + 1)) / steps, v = (one.height - 1.0) * (k / (steps + 1)) / steps;
+    const auto place = vision::world_from_pixel(one, {u, v}, one.tag_height);
+    if (place && shows_tag(one, place->x(), place->y()) && shows_tag(other, place->x(), place->y())) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::vector<UnguardedCalibration> unguarded_calibrations(const Experiment& experiment) {
+  if (experiment.cameras() < 2 || experiment.camera.kind() == CameraKind::synthetic) return {};
+  std::vector<vision::Calibration> all;
+  for (std::size_t k = 0; k < experiment.cameras(); ++k) {
+    auto calibration = camera_calibration(experiment, k);
+    if (!calibration) return {};  // check_calibrations says why
+    all.push_back(std::move(*calibration));
+  }
+  std::vector<UnguardedCalibration> unguarded;
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    if (vision::MarkWatch(all[k], wanted_tags(experiment)).marks() >= vision::MarkWatch::least_seen) continue;
+    bool overlaps = false;
+    for (std::size_t j = 0; j < all.size(); ++j) overlaps = overlaps || (j != k && views_overlap(all[k], all[j]));
+    unguarded.push_back({k, fmt::format("{}{} has no marks on the floor{}: nothing shows {}that it is this camera's",
+                                        camera_prefix(experiment, k), experiment.camera_at(k).calibration,
+                                        overlaps ? "" : ", and this view overlaps with no other camera's",
+                                        overlaps ? "before another camera sees a robot together with this one " : "")});
+  }
+  return unguarded;
 }
 
 std::vector<int> wanted_tags(const Experiment& experiment, bool every) {

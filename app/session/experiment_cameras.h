@@ -25,6 +25,17 @@ void update_newest(std::span<const vision::TagPose> seen, std::span<const int> w
 /// no world frame.
 tl::expected<vision::Calibration, std::string> camera_calibration(const Experiment& experiment, std::size_t number = 0);
 
+/// Whether a camera sees all of a tag at this place; nearer to the border of its picture a tag may be cut by it. [m]
+bool shows_tag(const vision::Calibration& calibration, double x, double y);
+
+/// One of several calibrations by which robots may drive before anything shows that it is another camera's.
+struct UnguardedCalibration {
+  std::size_t camera = 0;
+  std::string sentence{};
+};
+/// Those that have no marks on the floor to watch. Synthetic cameras hang where their calibrations have them: none.
+std::vector<UnguardedCalibration> unguarded_calibrations(const Experiment& experiment);
+
 /// Reads those of all cameras: what is wrong with one is to be known before a robot is reached. The error is the
 /// first one's.
 tl::expected<void, std::string> check_calibrations(const Experiment& experiment);

@@ -272,16 +272,28 @@ std::string camera_moved_sentence(const Experiment& experiment, const events::Ca
       then, calibrate_floor(experiment, only ? 0 : moved.camera, moved.marks > 0));
 }
 
-std::string camera_stop_sentence(const events::CamerasDisagree& differ) {
+std::string camera_stop_sentence(const events::CamerasDisagree& differ, std::string_view then) {
   constexpr double farther_than_a_bump = 0.1;  // [m]
   return fmt::format(
-      "cameras {} and {} see robot {} {:.0f} mm apart: one of them has moved since it was calibrated{}: STOP. `skein "
+      "cameras {} and {} see robot {} {:.0f} mm apart: one of them has moved since it was calibrated{}: {}. `skein "
       "calibrate check` tells which; its floor must be calibrated again (skein calibrate floor)",
       std::min(differ.camera, differ.other) + 1, std::max(differ.camera, differ.other) + 1, differ.robot + 1,
       1e3 * differ.by,
       differ.by > farther_than_a_bump
           ? ", has the calibration of another camera, or was calibrated for a floor with another origin or other axes"
-          : "");
+          : "",
+      then);
+}
+
+bool contradict(const Experiment& experiment, const CameraPair& pair) {
+  return pair.apart > experiment.estimation.filter.kidnap &&
+         experiment.failure.camera_moved == FailureSpec::CameraMoved::all_stop;
+}
+
+std::string camera_pair_sentence(const Experiment& experiment, const CameraPair& pair) {
+  if (contradict(experiment, pair))
+    return camera_stop_sentence({pair.robot, pair.first, pair.second, pair.apart}, "no robot drives");
+  return cameras_differ_sentence({pair.robot, pair.first, pair.second, pair.apart});
 }
 
 std::string cameras_differ_sentence(const events::CamerasDiffer& differ) {

@@ -119,8 +119,12 @@ std::string stood_still_sentence(double seconds);
 /// `then`: what follows, "STOP".
 std::string camera_moved_sentence(const Experiment& experiment, const events::CameraMoved& moved,
                                   std::string_view then);
-/// Why a run ends after two cameras disagree.
-std::string camera_stop_sentence(const events::CamerasDisagree& differ);
+/// Why a run ends, or does not begin, after two cameras disagree. `then`: what follows, "STOP".
+std::string camera_stop_sentence(const events::CamerasDisagree& differ, std::string_view then = "STOP");
+/// Whether two cameras see a robot so far apart that no robot may drive.
+bool contradict(const Experiment& experiment, const CameraPair& pair);
+/// What is to be said, before a start, of two cameras that see a robot apart.
+std::string camera_pair_sentence(const Experiment& experiment, const CameraPair& pair);
 
 /// Two cameras see a robot apart, and nobody stops for it.
 std::string cameras_differ_sentence(const events::CamerasDiffer& differ);

@@ -23,7 +23,8 @@ std::string numbers(const std::vector<std::size_t>& robots) {
   return fmt::format("robot{} {}", from_one.size() == 1 ? "" : "s", fmt::join(from_one, ", "));
 }
 
-Check camera(const Experiment& e, const std::string& down, const MarksStatus& marks) {
+Check camera(const Experiment& e, const CameraStatus& status) {
+  const MarksStatus& marks = status.marks;
   const CameraKind kind = e.camera.kind();
   const bool real = kind == CameraKind::live;
   if (kind == CameraKind::absent) return {What::camera, State::holds, "none: poses come from the simulation", real};
@@ -36,17 +37,25 @@ Check camera(const Experiment& e, const std::string& down, const MarksStatus& ma
       return {What::camera, State::fails, fmt::format("{}there is no {}", prefix, file), real};
   }
   // No calibration helps a camera that delivers nothing.
-  if (!down.empty()) return {What::camera, State::fails, fmt::format("{}; the start waits for it", down), true, false};
+  if (!status.down.empty())
+    return {What::camera, State::fails, fmt::format("{}; the start waits for it", status.down), true, false};
+  const bool stops = e.failure.camera_moved == FailureSpec::CameraMoved::all_stop;
+  if (!marks.exchanged.empty()) return {What::camera, State::fails, marks.exchanged, stops, false};
   if (marks.moved)
-    return {What::camera, State::fails, camera_moved_sentence(e, *marks.moved, "no robot drives"),
-            e.failure.camera_moved == FailureSpec::CameraMoved::all_stop};
+    return {What::camera, State::fails, camera_moved_sentence(e, *marks.moved, "no robot drives"), stops};
+  const auto farthest = std::max_element(status.pairs.begin(), status.pairs.end(),
+                                         [](const auto& a, const auto& b) { return a.apart < b.apart; });
+  if (farthest != status.pairs.end() && farthest->apart > 0.0)
+    return {What::camera, State::fails, camera_pair_sentence(e, *farthest), contradict(e, *farthest)};
   if (!marks.known)
     return {What::camera, State::waits,
             marks.sentence.empty() ? "the marks on the floor are being looked for" : marks.sentence, false};
-  const std::string calibration = e.cameras() > 1                ? fmt::format("{} cameras", e.cameras())
-                                  : e.camera.calibration.empty() ? "the synthetic camera's own"
-                                                                 : e.camera.calibration;
-  return {What::camera, State::holds, marks.sentence.empty() ? calibration : calibration + "; " + marks.sentence, real};
+  std::string found = e.cameras() > 1                ? fmt::format("{} cameras", e.cameras())
+                      : e.camera.calibration.empty() ? "the synthetic camera's own"
+                                                     : e.camera.calibration;
+  if (!marks.sentence.empty()) found += "; " + marks.sentence;
+  for (const std::string& sentence : status.unguarded) found += "; " + sentence;
+  return {What::camera, State::holds, found, real};
 }
 
 /// What a camera sets by itself changes its picture, its rate and the time of capture in the middle of a run.
@@ -205,7 +214,7 @@ Check places(const Experiment& e, const TickRecord* record) {
 
 std::vector<Check> readiness(const Experiment& experiment, const Certificate* certificate, const TickRecord* record,
                              std::span<const RobotStatus> robots, const CameraStatus& cameras) {
-  return {camera(experiment, cameras.down, cameras.marks),
+  return {camera(experiment, cameras),
           settings(experiment, cameras),
           tags(experiment, record, cameras.why_lost, !cameras.down.empty()),
           links(experiment, robots),

@@ -16,6 +16,9 @@ constexpr std::size_t channel_capacity =
     500;  // 20 s at 25 Hz: a disk or a window may hang that long before rows are lost
 /// Until marks on the floor that are hidden are seen, and until a busy machine has looked at them at all. [s]
 constexpr double marks_patience = 5.0, look_patience = 60.0;
+/// Until it is known of two cameras that they see a robot apart: both look for it within a second, whatever their
+/// calibrations say, and go on to see it for half a second. [s]
+constexpr double comparison = 2.5;
 constexpr double first_sight_timeout = 10.0;  // a camera needs a second or two to open and to settle its exposure [s]
 
 /// What follows "is not seen".
@@ -61,6 +64,8 @@ tl::expected<std::unique_ptr<Session>, std::string> Session::open(const Experime
     return tl::unexpected(plant.error());
   }
   i.plant = std::move(*plant);
+  i.unguarded = unguarded_calibrations(i.experiment);
+  for (const UnguardedCalibration& one : i.unguarded) i.alarms.push_back(one.sentence);
   i.loop = std::make_unique<ControlLoop>(
       i.experiment, i.clock, *i.plant, [&i](const TickRecord& record) { i.publish(record); }, i.controller.get());
   if (i.options.paced && !i.real_time && !i.controller) i.loop->always_pace();
@@ -132,6 +137,13 @@ CameraStatus Session::camera_status() const {
   const vision::SourceStatus source = camera();
   CameraStatus status{.down = source.up ? "" : source.reason, .marks = marks(), .automatics = source.automatics};
   if (const Cameras* cameras = wiring_->plant->cameras()) status.why_lost = cameras->why_lost();
+  status.pairs = wiring_->loop->camera_pairs();
+  for (const UnguardedCalibration& one : wiring_->unguarded) {
+    const bool compared = std::any_of(status.pairs.begin(), status.pairs.end(), [&](const CameraPair& pair) {
+      return pair.compared && (pair.first == one.camera || pair.second == one.camera);
+    });
+    if (!compared) status.unguarded.push_back(one.sentence);
+  }
   return status;
 }
 
@@ -232,6 +244,8 @@ Phase Session::run(const std::function<bool()>& keep_on) {
                          reasons(i.experiment, why_not_seen())));
       break;
     }
+    const double seen_at = i.clock.now();
+    while (i.experiment.cameras() > 1 && i.clock.now() < seen_at + comparison && !over() && !i.loop->failed()) turn();
     away = i.loop->away();
   } else {  // simulated robots stand at their starts, unless the file puts them elsewhere
     away = std::any_of(i.experiment.robots.begin(), i.experiment.robots.end(),
@@ -239,7 +253,8 @@ Phase Session::run(const std::function<bool()>& keep_on) {
   }
   const double began = i.clock.now();
   MarksStatus marks;
-  for (; !(marks = i.plant->marks()).known && !over() && !i.loop->failed(); turn()) {
+  const auto waits = [&] { return !(marks = i.plant->marks()).known && marks.exchanged.empty(); };
+  for (; waits() && !over() && !i.loop->failed(); turn()) {
     const double waited = i.clock.now() - began;
     if (waited < (marks.sentence.empty() ? look_patience : marks_patience)) continue;
     if (marks.sentence.empty())

@@ -22,6 +22,7 @@
 #include "app/guard/safety_net.h"
 #include "app/run/status.h"
 #include "app/session/control_loop.h"
+#include "app/session/experiment_cameras.h"
 #include "app/session/plant.h"
 #include "app/session/record_channel.h"
 #include "app/session/session_options.h"
@@ -175,39 +176,44 @@ struct SessionWiring {
       fail(camera_moved_sentence(experiment, *bumped, "STOP"));
     if (const auto* const differ = std::get_if<events::CamerasDisagree>(&*moved)) fail(camera_stop_sentence(*differ));
   }
-  /// Of any two, once: a start begins their comparison anew.
-  void tell_of_differences() {
-    for (events::CamerasDiffer differ; loop->take(differ);)
-      if (differences_told.emplace(std::minmax(differ.camera, differ.other)).second) {
-        const std::lock_guard lock(failure_mutex);
-        alarms.push_back(cameras_differ_sentence(differ));
-      }
+  /// Of any two, once. Of those that contradict each other the refusal of a start tells, or the reason of the STOP.
+  void tell_of_differences(Phase phase) {
+    const bool stands = phase == Phase::ready || phase == Phase::stopped;
+    for (const CameraPair& pair : loop->camera_pairs()) {
+      if (pair.apart == 0.0 || (stands && contradict(experiment, pair))) continue;
+      if (!differences_told.emplace(pair.first, pair.second).second) continue;
+      const std::lock_guard lock(failure_mutex);
+      alarms.push_back(cameras_differ_sentence({pair.robot, pair.first, pair.second, pair.apart}));
+    }
   }
 
-  /// Set if the marks on the floor, or the size of all tags, show that the camera has moved: then no robot may drive,
-  /// unless the file allows it.
-  std::optional<events::CameraMoved> moved_camera() const {
+  /// Why no robot may drive by a camera's poses, unless the file allows it: the marks on the floor, or the size of all
+  /// tags, show that the camera has moved, or the marks that its calibration is another one's. `then`: what follows.
+  std::string wrong_camera(std::string_view then) const {
     if (experiment.failure.camera_moved == FailureSpec::CameraMoved::go_on) return {};
-    return plant->marks().moved;
+    const MarksStatus marks = plant->marks();
+    if (!marks.exchanged.empty()) return fmt::format("{}: {}", marks.exchanged, then);
+    return marks.moved ? camera_moved_sentence(experiment, *marks.moved, then) : std::string();
   }
   /// Refuses commands that make robots drive.
   Answer may_drive() const {
-    const auto moved = moved_camera();
-    if (!moved) return {};
-    return tl::unexpected(camera_moved_sentence(experiment, *moved, "no robot drives"));
+    if (std::string why = wrong_camera("no robot drives"); !why.empty()) return tl::unexpected(std::move(why));
+    for (const CameraPair& pair : loop->camera_pairs())
+      if (contradict(experiment, pair)) return tl::unexpected(camera_pair_sentence(experiment, pair));
+    return {};
   }
 
   void watch() {
     const Phase phase = loop->phase();
     heed_camera();
-    tell_of_differences();
+    tell_of_differences(phase);
     if (loop->failed()) fail(loop->reason());
     if (const double gap = loop->stood_still(); gap > 0.0) fail(stood_still_sentence(gap));
     if (phase == Phase::stopped || phase == Phase::finished) return;
     if (auto reason = plant->failure()) fail(*reason);
     tell_of_losses();
     if (phase != Phase::ready)
-      if (const auto moved = moved_camera()) fail(camera_moved_sentence(experiment, *moved, "STOP"));
+      if (std::string why = wrong_camera("STOP"); !why.empty()) fail(std::move(why));
     watch_controller();
     const bool moves = phase == Phase::running || phase == Phase::staging;
     if (real_time && moves && clock.now() - last_look.load() > window_silence)
@@ -261,6 +267,7 @@ struct SessionWiring {
   core::ReferenceDemand demand;
   tl::expected<SafetyNet, std::string> net;
   std::vector<std::string> alarms;  // guarded by failure_mutex: those of neither safety net nor cameras
+  std::vector<UnguardedCalibration> unguarded;
   std::unique_ptr<Plant> plant;
   std::unique_ptr<OwnController> controller;  // of a run that has one
   std::vector<LawParameter> law_parameters;   // as the law declares them, with the file's values

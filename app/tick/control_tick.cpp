@@ -700,6 +700,9 @@ const Couplings& ControlTick::couplings() const noexcept {
   return state_->couplings;
 }
 
+const core::CameraFusion::Comparison& ControlTick::compared(std::size_t first, std::size_t second) const noexcept {
+  return state_->fusion.comparison(first, second);
+}
 const TickRecord& ControlTick::record() const noexcept {
   return state_->record;
 }

@@ -6,6 +6,7 @@
 #include "app/tick/couplings.h"
 #include "app/tick/tick_input.h"
 #include "core/controllers/controller.h"
+#include "core/estimation/camera_fusion.h"
 
 namespace skein::app {
 
@@ -40,6 +41,9 @@ class ControlTick {
 
   /// The present couplings and their targets.
   const Couplings& couplings() const noexcept;
+
+  /// What two cameras say of each other. first < second.
+  const core::CameraFusion::Comparison& compared(std::size_t first, std::size_t second) const noexcept;
 
   const TickRecord& record() const noexcept;  ///< of the latest tick
 

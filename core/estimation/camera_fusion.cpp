@@ -15,7 +15,7 @@ CameraFusion::CameraFusion(std::size_t robots, std::size_t cameras, const Filter
       bridge_(bridge),
       seen_(robots * cameras),
       apart_(robots * (cameras * (cameras - 1) / 2)),
-      told_(cameras * (cameras - 1) / 2),
+      comparisons_(cameras * (cameras - 1) / 2),
       believed_(robots) {
   in_order_.reserve(cameras);
 }
@@ -24,7 +24,7 @@ void CameraFusion::forget() noexcept {
   for (Seen& each : seen_) each = {};
   for (Measurement& each : believed_) each = {};
   for (Apart& each : apart_) each = {};
-  for (std::uint8_t& each : told_) each = 0;
+  for (Comparison& each : comparisons_) each = {};
 }
 
 std::span<const std::size_t> CameraFusion::news(std::size_t robot, std::span<const Measurement> measurements) noexcept {
@@ -67,7 +67,8 @@ std::optional<CameraFusion::Disagreement> CameraFusion::compare(std::size_t robo
     const Measurement& by_other = newest(robot, other);
     if (other == camera || !(std::abs(m.captured_at - by_other.captured_at) <= bridge_)) continue;
     const std::size_t p = pair(std::min(camera, other), std::max(camera, other));
-    Apart& apart = apart_[robot * told_.size() + p];
+    Apart& apart = apart_[robot * comparisons_.size() + p];
+    Comparison& comparison = comparisons_[p];
     const double at = std::max(m.captured_at, by_other.captured_at);
     const Pose here = filter.predict(m, at), there = filter.predict(by_other, at);
     const double sign = camera > other ? 1.0 : -1.0;
@@ -77,13 +78,18 @@ std::optional<CameraFusion::Disagreement> CameraFusion::compare(std::size_t robo
     if (!goes_on) apart = {};
     if (math::hypot(way.x, way.y) <= slight + unlikely * math::hypot(m.sigma_xy, by_other.sigma_xy)) {
       apart = {};
+      comparison.compared = true;
+      if (m.captured_at > comparison.at + bridge_) comparison.apart = 0.0;  // no robot is seen apart any more
       continue;
     }
     if (apart.count++ == 0) apart.since = m.captured_at;
     apart.newest = m.captured_at;
     apart.sum = {apart.sum.x + way.x, apart.sum.y + way.y, 0.0};
-    if (apart.count < enough || apart.newest - apart.since < lasting || std::exchange(told_[p], 1) != 0) continue;
-    found = Disagreement{other, math::hypot(apart.sum.x, apart.sum.y) / apart.count};
+    if (apart.count < enough || apart.newest - apart.since < lasting) continue;
+    const double distance = math::hypot(apart.sum.x, apart.sum.y) / apart.count;
+    const bool told = std::exchange(comparison.told, true);
+    comparison = {.compared = true, .robot = robot, .apart = distance, .at = m.captured_at, .told = true};
+    if (!told) found = Disagreement{other, distance};
   }
   return found;
 }

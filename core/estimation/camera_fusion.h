@@ -47,6 +47,18 @@ class CameraFusion {
     std::optional<Disagreement> disagreement;  ///< only once, when it becomes certain
     std::optional<Disagreement> difference;    ///< more than `slight`, but none that contradicts; once for two cameras
   };
+  /// What two cameras that see a robot say of each other. A start forgets it with everything else.
+  struct Comparison {
+    bool compared = false;           ///< both have seen a robot at once
+    std::size_t robot = 0;           ///< whom they see `apart`
+    double apart = 0.0;              ///< if they go on to see it more than `slight` apart; 0: they do not [m]
+    double at = Measurement::never;  ///< when they last did [s]
+    bool told = false;               ///< as Outcome::difference
+  };
+  /// first < second.
+  const Comparison& comparison(std::size_t first, std::size_t second) const noexcept {
+    return comparisons_[pair(first, second)];
+  }
   /// Takes in one of the news, at the time `now` [s].
   Outcome take(std::size_t robot, std::size_t camera, const Measurement& measurement, PoseFilter& filter,
                double now) noexcept;
@@ -82,10 +94,10 @@ class CameraFusion {
 
   std::size_t robots_, cameras_;
   FilterParameters parameters_;
-  double bridge_;                   // [s]
-  std::vector<Seen> seen_;          // robot i by camera c at c * robots + i
-  std::vector<Apart> apart_;        // of robot i: pair p at i * pairs + p
-  std::vector<std::uint8_t> told_;  // by pair: how far apart they are has been said
+  double bridge_;                        // [s]
+  std::vector<Seen> seen_;               // robot i by camera c at c * robots + i
+  std::vector<Apart> apart_;             // of robot i: pair p at i * pairs + p
+  std::vector<Comparison> comparisons_;  // by pair
   std::vector<Measurement> believed_;
   std::vector<std::size_t> in_order_;
 };

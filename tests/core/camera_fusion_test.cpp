@@ -185,5 +185,31 @@ TEST(CameraFusion, ADifferenceThatGrowsIsSaidAndThenContradicts) {
   EXPECT_LT(apart(*said.disagreed_at), 0.025);
 }
 
+/// What the operator is to know before a start.
+TEST(CameraFusion, SaysAsLongAsTwoCamerasSeeARobotApart) {
+  Floor floor;
+  EXPECT_FALSE(floor.fusion.comparison(0, 1).compared);
+  floor.sees[1] = false;
+  for (int k = 0; k < 25; ++k) floor.frame();
+  EXPECT_FALSE(floor.fusion.comparison(0, 1).compared) << "one alone";
+  floor.sees[1] = true;
+  for (int k = 0; k < 25; ++k) floor.frame();
+  EXPECT_TRUE(floor.fusion.comparison(0, 1).compared);
+  EXPECT_EQ(floor.fusion.comparison(0, 1).apart, 0.0);
+  floor.poses[1].x += 0.9;  // by another camera's calibration
+  for (int k = 0; k < 20; ++k) floor.frame();
+  EXPECT_NEAR(floor.fusion.comparison(0, 1).apart, 0.9, 1e-6);
+  floor.sees[1] = false;
+  for (int k = 0; k < 25; ++k) floor.frame();
+  EXPECT_NEAR(floor.fusion.comparison(0, 1).apart, 0.9, 1e-6) << "a robot that is taken away proves nothing";
+  floor.sees[1] = true;
+  floor.poses[1] = floor.poses[0];
+  for (int k = 0; k < 10; ++k) floor.frame();
+  EXPECT_EQ(floor.fusion.comparison(0, 1).apart, 0.0);
+  EXPECT_TRUE(floor.fusion.comparison(0, 1).compared);
+  floor.fusion.forget();
+  EXPECT_FALSE(floor.fusion.comparison(0, 1).compared);
+}
+
 }  // namespace
 }  // namespace skein::test
