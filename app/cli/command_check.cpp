@@ -35,6 +35,8 @@ int check(const ExperimentRequest& request, bool controller) {
   for (const std::string& sentence : missing_ways(*experiment)) fmt::print("way: {}\n", shown(sentence));
   for (const UnguardedCalibration& one : unguarded_calibrations(*experiment))
     fmt::print("calibration: {}\n", shown(one.sentence));
+  for (const std::string& sentence : uneven_focal_lengths(*experiment))
+    fmt::print("calibration: {}\n", shown(sentence));
   for (std::size_t i = 0; i < experiment->robots.size(); ++i) {
     const RobotSpec& robot = experiment->robots[i];
     if (!robot.is_real()) continue;

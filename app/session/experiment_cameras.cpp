@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include "app/calibration/calibration_file.h"
@@ -124,6 +125,21 @@ std::vector<UnguardedCalibration> unguarded_calibrations(const Experiment& exper
                                         overlaps ? "before another camera sees a robot together with this one " : "")});
   }
   return unguarded;
+}
+
+std::vector<std::string> uneven_focal_lengths(const Experiment& experiment) {
+  constexpr double most = 0.01;  // of the smaller one; skein calibrate intrinsics speaks of a third of this
+  std::vector<std::string> sentences;
+  for (std::size_t k = 0; k < experiment.cameras() && experiment.camera.kind() != CameraKind::absent; ++k) {
+    const auto of = camera_calibration(experiment, k);
+    const double apart = of ? std::abs(of->fx - of->fy) / std::min(of->fx, of->fy) : 0.0;
+    if (apart <= most) continue;
+    sentences.push_back(
+        fmt::format("{}fx and fy of {} differ by {:.1f} %, but cameras have square pixels: skein calibrate intrinsics "
+                    "measures them",
+                    camera_prefix(experiment, k), experiment.camera_at(k).calibration, 100.0 * apart));
+  }
+  return sentences;
 }
 
 std::vector<int> wanted_tags(const Experiment& experiment, bool every) {

@@ -36,6 +36,10 @@ struct UnguardedCalibration {
 /// Those that have no marks on the floor to watch. Synthetic cameras hang where their calibrations have them: none.
 std::vector<UnguardedCalibration> unguarded_calibrations(const Experiment& experiment);
 
+/// A sentence for each camera whose fx and fy differ as those of no sensor do, whose pixels are square: poses are wrong
+/// by as much in one direction of its picture.
+std::vector<std::string> uneven_focal_lengths(const Experiment& experiment);
+
 /// Reads those of all cameras: what is wrong with one is to be known before a robot is reached. The error is the
 /// first one's.
 tl::expected<void, std::string> check_calibrations(const Experiment& experiment);

@@ -66,6 +66,7 @@ tl::expected<std::unique_ptr<Session>, std::string> Session::open(const Experime
   i.plant = std::move(*plant);
   i.unguarded = unguarded_calibrations(i.experiment);
   for (const UnguardedCalibration& one : i.unguarded) i.alarms.push_back(one.sentence);
+  for (std::string& sentence : uneven_focal_lengths(i.experiment)) i.alarms.push_back(std::move(sentence));
   i.loop = std::make_unique<ControlLoop>(
       i.experiment, i.clock, *i.plant, [&i](const TickRecord& record) { i.publish(record); }, i.controller.get());
   if (i.options.paced && !i.real_time && !i.controller) i.loop->always_pace();

@@ -20,6 +20,7 @@
 namespace skein::app {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::AnyOf;
 using ::testing::ContainsRegex;
 using ::testing::ElementsAre;
@@ -215,6 +216,20 @@ TEST(CamerasThatDiffer, AreInTheCheckListBeforeTheStart) {
   EXPECT_EQ(run.listed.back().state, Check::State::fails) << run.listed.back().reason;
   EXPECT_FALSE(run.listed.back().hard);
   EXPECT_THAT(run.listed.back().reason, ContainsRegex("cameras 1 and 2 see robot 1 (9|10) mm apart, and go on to"));
+}
+
+/// A digit that was typed wrongly.
+TEST(FocalLengths, ThatDifferAreTold) {
+  const test::Folder folder;
+  const auto told = [&](double share) {
+    vision::Calibration calibration = vision::overhead_calibration(2.0, 1.5);
+    calibration.fx *= 1.0 + share;
+    EXPECT_TRUE(save_calibration(calibration, folder / "cal.toml"));
+    return uneven_focal_lengths(
+        good(paper_experiment().source, {"camera.source=synthetic", "camera.calibration=" + (folder / "cal.toml")}));
+  };
+  EXPECT_THAT(told(0.0), IsEmpty());
+  EXPECT_THAT(told(0.1), ElementsAre(AllOf(HasSubstr("fx and fy of "), HasSubstr("cal.toml differ by 10.1 %"))));
 }
 
 }  // namespace
