@@ -252,9 +252,11 @@ void TrackerParts::look_at_gate(const Frame& frame) {
 }
 
 /// The frame as a whole: at the beginning, and while an id was seen twice, since only a look at everything can tell
-/// that one of the two is gone.
+/// that one of the two is gone. What another camera sees beyond this picture is not looked for; but where the picture
+/// is on the floor, only the calibration says, which may be another camera's, until this camera has seen a tag itself.
 bool TrackerParts::search_due() const {
-  if (!missing()) return false;
+  constexpr std::int64_t by_itself = 25;  // frames
+  if (!missing()) return !contrast && !wanted.empty() && counters.frames - last_search >= by_itself;
   if (counters.full_searches == 0) return true;
   const bool ambiguous =
       std::any_of(wanted.begin(), wanted.end(), [](const WantedTag& tag) { return tag.missing() && tag.ambiguous; });

@@ -365,6 +365,16 @@ TEST(TagTracker, DoesNotSearchForTagsThatAnotherCameraSees) {
   EXPECT_LE(windows[1], windows[0]);
 }
 
+/// By another camera's calibration a robot that both see is far outside this picture.
+TEST(TagTracker, ACameraThatHasSeenNoTagLooksByItselfWhateverAnotherOneSees) {
+  TrackerLab lab({.tags = {1}});
+  const std::vector<SyntheticTag> tags{{1, {0.2, 0.1, 0.4}}};
+  const std::vector<SeenElsewhere> outside{{1, {3.0, 0.0, 0.0}}};
+  int frames = 0;
+  while (frames < 60 && lab.step(tags, outside).empty()) ++frames;
+  EXPECT_LE(frames, 50) << "two seconds: every other look is for dim light";
+}
+
 TEST(TagTracker, SeldomSearchesForATagThatTheBorderCutsWhereAnotherCameraSeesIt) {
   TrackerLab lab({.tags = first_ids(2)});
   const double size = lab.calibration.tag_size;
