@@ -405,9 +405,10 @@ def descriptor_limit(lab):
 def descriptor_limit_guard(lab):
     robots = lab.emulate()
     run = lab.run(robots)
-    resource.prlimit(run.pid, resource.RLIMIT_NOFILE, (3, 3))
-    kill(lab.guard_of(run))
+    guard = lab.guard_of(run)
     # Without descriptors no picture can be read either: the run may end for that before it misses its guard.
+    resource.prlimit(run.pid, resource.RLIMIT_NOFILE, (3, 3))
+    kill(guard)
     wait_until("the operator is told that there is no guard, or the run has ended",
                lambda: "no guard" in lab.log() or run.poll() is not None, 5.0)
     since = kill(run, signal.SIGINT) if run.poll() is None else time.monotonic()
