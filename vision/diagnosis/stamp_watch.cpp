@@ -28,10 +28,8 @@ std::string StampWatch::update_ahead(double by, double arrived_at) {
   if (!ahead_.update(arrived_at, by > no_clock_keeps)) return {};
   return fmt::format(
       "its time stamps are {:.0f} ms later than the arrival of their frames: its clock is ahead, or camera.latency "
-      "does "
-      "not fit (skein camera latency measures it). A frame counts as captured when it arrives, which is too late: "
-      "robots "
-      "that drive are not where they are taken to be",
+      "does not fit (skein camera latency measures it). A frame counts as captured when it arrives, which is too late: "
+      "robots that drive are not where they are taken to be",
       1e3 * by);
 }
 
