@@ -105,13 +105,13 @@ int identify(const IdentifyRequest& request) {
     if (request.json)
       json.push_back(json_of(robot));
     else
-      print_out(text_of(robot) + "\n");
+      print_out(text_of(robot) + "\n", reader_patience);
     for (const std::string& sentence : doubts(robot)) {
       complain(robot.history.name + ": " + sentence);
       told = false;
     }
   }
-  if (request.json) print_out(json.dump(2) + "\n");
+  if (request.json) print_out(json.dump(2) + "\n", reader_patience);
   if (!request.report.empty())
     if (const auto drawn = write_residuals(request.report, found); !drawn) return complain(drawn.error()), wrong_input;
   if (request.save) {

@@ -34,7 +34,8 @@ class Stream {
         started_ = true;
       }
       // What is asked to be waited for may be long; the rest must not fill the memory behind a reader that sleeps.
-      if (patience <= short_patience && waiting_.size() + text.size() > most_waiting) return;
+      const bool is_behind = !waiting_.empty() || writing_;
+      if (patience <= short_patience && is_behind && waiting_.size() + text.size() > most_waiting) return;
       waiting_ += text;
       added_.notify_one();
       if (stuck_ && patience <= short_patience) return;  // many short waits are a long one

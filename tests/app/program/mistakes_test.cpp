@@ -894,6 +894,19 @@ TEST_F(Mistakes, AReaderThatHasGoneIsNoLossOfOutput) {
   EXPECT_THAT(read("bench-said"), IsEmpty());
 }
 
+/// 64 kB were too much to be printed at once, and nothing was.
+TEST_F(Mistakes, ALongResultIsPrintedWhole) {
+  std::string text =
+      "duration = 2\narena = { width = 7, height = 7 }\n"
+      "reference = { spacing = 0.3, path = { shape = \"circle\", radius = 3 } }\n";
+  for (int k = 0; k < 40; ++k) text += "[[robot]]\n";
+  write("many.toml", text);
+  EXPECT_EQ(shell("$skein run many.toml --csv many.csv --quiet"), 0) << said;
+  shell("$skein identify many.csv --json");
+  EXPECT_GT(out.size(), 70'000u);
+  EXPECT_TRUE(out.ends_with("]\n")) << out.size();
+}
+
 TEST_F(Mistakes, ASimulationWithoutNoiseIsNotAccused) {
   EXPECT_EQ(shell("$skein run e.toml --csv run.csv --quiet && $skein identify run.csv"), 0) << said << out;
   EXPECT_THAT(said, Not(HasSubstr("correlated")));
