@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <span>
 
@@ -390,70 +389,71 @@ Certificate::Delay smallest_delay_margin(const Experiment& experiment, const std
 
 std::string as_lines(const Certificate& certificate) {
   std::string text;
-  const auto out = std::back_inserter(text);
   for (std::size_t i = 0; i < certificate.robots.size(); ++i) {
     const Certificate::Robot& r = certificate.robots[i];
     if (!certificate.other_law.empty()) {
-      fmt::format_to(
-          out,
+      text += fmt::format(
           "robot_{}_reference: at most {:.0f} % of v_max, {:.0f} % of omega_max, {:.0f} % of a wheel (t = {:g} s)\n",
           i + 1, 100.0 * r.v.value, 100.0 * r.omega.value, 100.0 * r.wheel.value, r.wheel.t);
       continue;
     }
-    fmt::format_to(out, "robot_{}_smallest_k_x: {:.4g} m/s ({:.0f} % of v_max) at t = {:g} s\n", i + 1, r.k_x.value,
-                   100.0 * r.k_x.value / r.v_max, r.k_x.t);
-    fmt::format_to(out, "robot_{}_smallest_k_theta: {:.4g} rad/s ({:.0f} % of omega_max) at t = {:g} s\n", i + 1,
-                   r.k_theta.value, 100.0 * r.k_theta.value / r.omega_max, r.k_theta.t);
+    text += fmt::format("robot_{}_smallest_k_x: {:.4g} m/s ({:.0f} % of v_max) at t = {:g} s\n", i + 1, r.k_x.value,
+                        100.0 * r.k_x.value / r.v_max, r.k_x.t);
+    text += fmt::format("robot_{}_smallest_k_theta: {:.4g} rad/s ({:.0f} % of omega_max) at t = {:g} s\n", i + 1,
+                        r.k_theta.value, 100.0 * r.k_theta.value / r.omega_max, r.k_theta.t);
     if (certificate.fixed) {
-      fmt::format_to(out, "robot_{}_smallest_margin_f: {:.4g} m/s at t = {:g} s\n", i + 1, r.f.value, r.f.t);
-      fmt::format_to(out, "robot_{}_smallest_margin_g: {:.4g} rad/s at t = {:g} s\n", i + 1, r.g.value, r.g.t);
+      text += fmt::format("robot_{}_smallest_margin_f: {:.4g} m/s at t = {:g} s\n", i + 1, r.f.value, r.f.t);
+      text += fmt::format("robot_{}_smallest_margin_g: {:.4g} rad/s at t = {:g} s\n", i + 1, r.g.value, r.g.t);
     }
-    fmt::format_to(
-        out, "robot_{}_reference: at most {:.0f} % of v_max, {:.0f} % of omega_max, {:.0f} % of a wheel (t = {:g} s)\n",
+    text += fmt::format(
+        "robot_{}_reference: at most {:.0f} % of v_max, {:.0f} % of omega_max, {:.0f} % of a wheel (t = {:g} s)\n",
         i + 1, 100.0 * r.v.value, 100.0 * r.omega.value, 100.0 * r.wheel.value, r.wheel.t);
   }
   if (!certificate.other_law.empty()) {
-    fmt::format_to(out,
-                   "law: {}\ncertified: only the reference, which {}: theorem 1, (18) and the delay margin hold for "
-                   "(15) only; `skein check --controller` tests this law\n",
-                   certificate.other_law, certificate.reference_fits() ? "fits the robots" : "does NOT FIT the robots");
+    text += fmt::format(
+        "law: {}\ncertified: only the reference, which {}: theorem 1, (18) and the delay margin hold for "
+        "(15) only; `skein check --controller` tests this law\n",
+        certificate.other_law, certificate.reference_fits() ? "fits the robots" : "does NOT FIT the robots");
     return text;
   }
-  fmt::format_to(out, "theorem_1: {}\n", as_text(certificate.theorem));
-  fmt::format_to(out,
-                 "theorem_1_silent: while a robot follows a modified reference, is shielded or limited, with delay and "
-                 "sampling{}; the CSV's mode says at which ticks\n",
-                 certificate.theorem.continuous_omega || certificate.fixed
-                     ? ""
-                     : ", and k_theta of (36) jumps wherever omega_ref does");
-  fmt::format_to(out, "limits_14: {}\n",
-                 keeps_limits(certificate.coupling) || !certificate.coupled
-                     ? "follow from (18f, g)"
-                     : "do NOT follow from (18f, g) with coupling = \"paper\", whose terms are not bounded by k_xx and "
-                       "k_tt; commands are limited after the law, and V may then rise");
-  fmt::format_to(out, "delay_margin: {}{:.4g} s (robot {} at t = {:g} s)\n",
-                 certificate.delay.margin.unbounded ? "more than " : "", certificate.delay.margin.delay,
-                 certificate.delay.robot + 1, certificate.delay.t);
+  text += fmt::format("theorem_1: {}\n", as_text(certificate.theorem));
+  text += fmt::format(
+      "theorem_1_silent: while a robot follows a modified reference, is shielded or limited, with delay and "
+      "sampling{}; the CSV's mode says at which ticks\n",
+      certificate.theorem.continuous_omega || certificate.fixed
+          ? ""
+          : ", and k_theta of (36) jumps wherever omega_ref does");
+  text += fmt::format(
+      "limits_14: {}\n",
+      keeps_limits(certificate.coupling) || !certificate.coupled
+          ? "follow from (18f, g)"
+          : "do NOT follow from (18f, g) with coupling = \"paper\", whose terms are not bounded by k_xx and "
+            "k_tt; commands are limited after the law, and V may then rise");
+  text += fmt::format("delay_margin: {}{:.4g} s (robot {} at t = {:g} s)\n",
+                      certificate.delay.margin.unbounded ? "more than " : "", certificate.delay.margin.delay,
+                      certificate.delay.robot + 1, certificate.delay.t);
   if (!certificate.swings.empty()) {
     std::string sizes;
     for (const Certificate::Swing& s : certificate.swings)
       sizes += fmt::format("{}{:.2g} mm at {:.0f} ms", sizes.empty() ? "" : ", ", 1e3 * s.size, 1e3 * s.delay);
-    fmt::format_to(out, "swing: {}: beyond the margin errors do not settle, but stay bounded (without prediction)\n",
-                   sizes);
+    text += fmt::format("swing: {}: beyond the margin errors do not settle, but stay bounded (without prediction)\n",
+                        sizes);
   }
-  fmt::format_to(out, "sampled_loop: {}\n",
-                 certificate.sampled_loop_stable()
-                     ? fmt::format("stable at {:g} Hz with a delay below the margin", certificate.rate)
-                     : fmt::format("UNSTABLE at {:g} Hz even without delay: errors oscillate and do not converge; use "
-                                   "smaller c_x, c_theta or k",
-                                   certificate.rate));
-  fmt::format_to(out, "tracking_authority: {}\n",
-                 certificate.keeps_tracking()
-                     ? fmt::format("at least {:.0f} % of v_max and omega_max", 100.0 * core::tracking_share)
-                     : fmt::format("TOO SMALL: k_x or k_theta falls below {:.0f} % of v_max or omega_max, and errors "
-                                   "hardly decrease; use a slower reference or smaller couplings",
-                                   100.0 * core::tracking_share));
-  fmt::format_to(out, "conditions_18: {}\n", certificate.holds() ? "hold over the whole reference" : "VIOLATED");
+  text +=
+      fmt::format("sampled_loop: {}\n",
+                  certificate.sampled_loop_stable()
+                      ? fmt::format("stable at {:g} Hz with a delay below the margin", certificate.rate)
+                      : fmt::format("UNSTABLE at {:g} Hz even without delay: errors oscillate and do not converge; use "
+                                    "smaller c_x, c_theta or k",
+                                    certificate.rate));
+  text +=
+      fmt::format("tracking_authority: {}\n",
+                  certificate.keeps_tracking()
+                      ? fmt::format("at least {:.0f} % of v_max and omega_max", 100.0 * core::tracking_share)
+                      : fmt::format("TOO SMALL: k_x or k_theta falls below {:.0f} % of v_max or omega_max, and errors "
+                                    "hardly decrease; use a slower reference or smaller couplings",
+                                    100.0 * core::tracking_share));
+  text += fmt::format("conditions_18: {}\n", certificate.holds() ? "hold over the whole reference" : "VIOLATED");
   return text;
 }
 

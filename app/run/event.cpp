@@ -162,7 +162,7 @@ class Printer {
  private:
   template <typename... T>
   void append(fmt::format_string<T...> format, T&&... values) {
-    fmt::format_to(std::back_inserter(text_), format, std::forward<T>(values)...);
+    text_ += fmt::format(format, std::forward<T>(values)...);
   }
   std::string& text_;
 };

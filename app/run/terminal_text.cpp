@@ -5,7 +5,6 @@
 #include <wchar.h>   // NOLINT(modernize-deprecated-headers): so is wcwidth
 
 #include <algorithm>
-#include <iterator>
 
 #include "app/run/utf8.h"
 
@@ -27,15 +26,15 @@ std::string escaped(std::string_view text, bool one_line) {
     const auto [code, bytes] = first_letter(text);
     text.remove_prefix(bytes.size());
     if (!code)
-      fmt::format_to(std::back_inserter(result), "\\x{:02x}", static_cast<unsigned char>(bytes[0]));
+      result += fmt::format("\\x{:02x}", static_cast<unsigned char>(bytes[0]));
     else if (!is_control(*code) || (!one_line && (*code == '\n' || *code == '\t')))
       result += bytes;
     else if (*code == '\n' || *code == '\t' || *code == '\r')
       result += *code == '\n' ? "\\n" : *code == '\t' ? "\\t" : "\\r";
     else if (*code > 0xffff)
-      fmt::format_to(std::back_inserter(result), "\\U{:08x}", static_cast<unsigned>(*code));
+      result += fmt::format("\\U{:08x}", static_cast<unsigned>(*code));
     else
-      fmt::format_to(std::back_inserter(result), "\\u{:04x}", static_cast<unsigned>(*code));
+      result += fmt::format("\\u{:04x}", static_cast<unsigned>(*code));
   }
   return result;
 }

@@ -4,7 +4,6 @@
 
 #include <charconv>
 #include <filesystem>
-#include <iterator>
 #include <utility>
 
 #include "app/calibration/calibration_file.h"
@@ -29,8 +28,7 @@ tl::expected<CameraFilm, std::string> open_film(const std::string& path) {
 std::string note_of(std::span<const vision::SeenElsewhere> elsewhere) {
   std::string note;
   for (const vision::SeenElsewhere& seen : elsewhere)
-    fmt::format_to(std::back_inserter(note), "{}{} {} {} {}", note.empty() ? "" : " ", seen.tag, seen.pose.x,
-                   seen.pose.y, seen.pose.theta);
+    note += fmt::format("{}{} {} {} {}", note.empty() ? "" : " ", seen.tag, seen.pose.x, seen.pose.y, seen.pose.theta);
   return note;
 }
 

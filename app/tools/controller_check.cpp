@@ -89,27 +89,27 @@ tl::expected<ControllerCheck, std::string> check_controller(const Experiment& ex
 
 std::string as_lines(const ControllerCheck& c) {
   std::string text;
-  const auto out = std::back_inserter(text);
-  fmt::format_to(out, "ticks: {}\n", c.ticks);
+  text += fmt::format("ticks: {}\n", c.ticks);
   if (c.own) {
-    fmt::format_to(out, "deadline: {:.3g} ms\n", 1e3 * c.deadline);
-    fmt::format_to(out,
-                   "answer_p50: {:.3g} ms\nanswer_p99: {:.3g} ms\nanswer_p99.9: {:.3g} ms\nanswer_max: {:.3g} ms\n",
-                   1e3 * c.wait_p50, 1e3 * c.wait_p99, 1e3 * c.wait_p999, 1e3 * c.wait_max);
-    fmt::format_to(out, "late: {}\n", share_text(c.late, c.ticks));
+    text += fmt::format("deadline: {:.3g} ms\n", 1e3 * c.deadline);
+    text +=
+        fmt::format("answer_p50: {:.3g} ms\nanswer_p99: {:.3g} ms\nanswer_p99.9: {:.3g} ms\nanswer_max: {:.3g} ms\n",
+                    1e3 * c.wait_p50, 1e3 * c.wait_p99, 1e3 * c.wait_p999, 1e3 * c.wait_max);
+    text += fmt::format("late: {}\n", share_text(c.late, c.ticks));
   }
-  fmt::format_to(out, "no_number: {}\n", share_text(c.no_number, c.commands));
-  fmt::format_to(out, "limited: {}\n", share_text(c.limited, c.commands));
-  fmt::format_to(out, "shielded: {}\n", share_text(c.shielded, c.commands));
-  fmt::format_to(out, "collisions: {}\n", c.collisions);
-  fmt::format_to(out, "min_distance: {:.4g} m\n", c.min_distance);
-  fmt::format_to(out, "outside: {:.4g} m\n", c.outside);
-  fmt::format_to(out, "final_error: {:.4g} m\n", c.final_error);
-  if (!c.failure.empty()) fmt::format_to(out, "failure: {}\n", c.failure);
-  fmt::format_to(out, "verdict: {}\n",
-                 c.fit() ? "fit to drive: every answer was in time and a number, and with limits and shield no robot "
-                           "collided or left the arena"
-                         : "NOT fit to drive real robots: see above");
+  text += fmt::format("no_number: {}\n", share_text(c.no_number, c.commands));
+  text += fmt::format("limited: {}\n", share_text(c.limited, c.commands));
+  text += fmt::format("shielded: {}\n", share_text(c.shielded, c.commands));
+  text += fmt::format("collisions: {}\n", c.collisions);
+  text += fmt::format("min_distance: {:.4g} m\n", c.min_distance);
+  text += fmt::format("outside: {:.4g} m\n", c.outside);
+  text += fmt::format("final_error: {:.4g} m\n", c.final_error);
+  if (!c.failure.empty()) text += fmt::format("failure: {}\n", c.failure);
+  text +=
+      fmt::format("verdict: {}\n",
+                  c.fit() ? "fit to drive: every answer was in time and a number, and with limits and shield no robot "
+                            "collided or left the arena"
+                          : "NOT fit to drive real robots: see above");
   return text;
 }
 

@@ -70,6 +70,15 @@ TEST(House, OnlyNamesAndStampsOfFilesAskTheClockThatPeopleSet) {
   EXPECT_EQ(found, allowed);
 }
 
+/// fmt::format calls fmt's library. fmt::format_to compiles the formatting of every type into each unit that calls it:
+/// 75 kB, which take a compiler 2.5 s.
+TEST(House, LeavesFormattingToTheLibrary) {
+  for (const char* room : {"core", "vision", "comms", "app", "ui"})
+    for (const SourceFile& file : sources_of(room))
+      EXPECT_EQ(file.text.find("fmt::format_to("), std::string::npos)
+          << file.path << ": write text += fmt::format(...)";
+}
+
 TEST(House, ArchitectureNamesOnlyFoldersThatExist) {
   const auto exists = [](const std::string& folder) { return std::filesystem::is_directory(test::in_source(folder)); };
   for (const auto& [folder, allowed] : architecture()) {
