@@ -258,6 +258,17 @@ struct Finite {
 
 }  // namespace
 
+std::optional<std::size_t> robot_of(const Event& event) noexcept {
+  return std::visit(
+      [](const auto& e) -> std::optional<std::size_t> {
+        if constexpr (requires { e.robot; })
+          return e.robot;
+        else
+          return std::nullopt;
+      },
+      event);
+}
+
 std::string describe(const Event& event) {
   return std::visit(
       [](const auto& e) {

@@ -326,16 +326,7 @@ constexpr bool is(const Event& event) noexcept {
 }
 
 /// The robot that the event concerns; none: it concerns all, a pair or an obstacle.
-constexpr std::optional<std::size_t> robot_of(const Event& event) noexcept {
-  return std::visit(
-      [](const auto& e) -> std::optional<std::size_t> {
-        if constexpr (requires { e.robot; })
-          return e.robot;
-        else
-          return std::nullopt;
-      },
-      event);
-}
+std::optional<std::size_t> robot_of(const Event& event) noexcept;
 
 /// The events of one tick: a bounded list. It allocates only in `reserve`; events that do not fit are
 /// counted.
