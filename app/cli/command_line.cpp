@@ -253,7 +253,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
       ->needs(real_tracker);
   track_command.add_flag("--list-controls", track_request.list_controls,
                          "only list the camera's formats, rates and controls");
-  track_request.words.add_to(track_command, /*calibrated=*/false);
+  add_camera_words(track_command, track_request.words, /*calibrated=*/false);
   track_command.add_flag("--quiet", track_request.quiet, "no progress, no summary");
 
   CLI::App& camera_command = *program.add_subcommand("camera", "Lists, examines and times cameras");
@@ -275,7 +275,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   camera_doctor_command.add_option("--seconds", camera_doctor_request.seconds, "how long to look [s]")
       ->check(number_within(1.0, 60.0))
       ->capture_default_str();
-  camera_doctor_request.words.add_to(camera_doctor_command, /*calibrated=*/false);
+  add_camera_words(camera_doctor_command, camera_doctor_request.words, /*calibrated=*/false);
   camera_doctor_command.get_option("--rate")->description(
       "requested from the camera [frames/s]; default: 25, as in a run");
 

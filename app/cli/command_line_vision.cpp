@@ -15,6 +15,27 @@
 
 namespace skein::app {
 
+void add_camera_words(CLI::App& command, CameraWords& words, bool calibrated) {
+  command
+      .add_option("--set", words.settings,
+                  "of a camera, repeatable: exposure=SECONDS (0: automatic), gain=, focus=, or a control of its own")
+      ->type_name("NAME=VALUE")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  if (!calibrated)
+    command
+        .add_option("--size", words.size, "of a camera's frames; default: the calibration's, or the present setting")
+        ->type_name("WxH");
+  command
+      .add_option("--format", words.format, "of a camera's frames; default: the cheapest that supports size and rate")
+      ->type_name("YUYV|MJPG|...");
+  command.add_option("--rate", words.rate, "of a camera [frames/s]; default: the present setting")
+      ->check(number_within(0.1, 10000.0));
+  command
+      .add_option("--trigger", words.trigger, "what triggers the frames of an aravis camera; default: its own clock")
+      ->type_name("software|LINE");
+}
+
 void VisionCommands::BoardWords::add_to(CLI::App& command) {
   command.add_option("--board", kind, "charuco or chessboard")
       ->check(CLI::IsMember({"charuco", "chessboard"}))
@@ -61,7 +82,7 @@ void VisionCommands::add_to(CLI::App& program) {
   intrinsics_->add_option("--views", intrinsics_request_.views, "largest number of views from a film or camera")
       ->check(whole_number(3, 1000))
       ->capture_default_str();
-  intrinsics_request_.words.add_to(*intrinsics_, /*calibrated=*/false);
+  add_camera_words(*intrinsics_, intrinsics_request_.words, /*calibrated=*/false);
   intrinsics_->add_flag("--quiet", intrinsics_request_.quiet, "no progress, no summary");
   calibration_board_.add_to(*intrinsics_);
 
@@ -75,7 +96,7 @@ void VisionCommands::add_to(CLI::App& program) {
     command.add_option("--frames", request.frames, "number of frames to average")
         ->check(whole_number(1, 10000))
         ->capture_default_str();
-    request.words.add_to(command, /*calibrated=*/true);
+    add_camera_words(command, request.words, /*calibrated=*/true);
     command.add_flag("--quiet", request.quiet, "no summary");
   };
   floor_ = calibrate.add_subcommand(

@@ -9,6 +9,9 @@
 
 namespace skein::app {
 
+/// The options for a camera's settings. `calibrated`: the frames' size is the calibration's, without an option.
+void add_camera_words(CLI::App& command, CameraWords& words, bool calibrated);
+
 /// The options of `skein calibrate` and `skein tags`.
 class VisionCommands {
  public:

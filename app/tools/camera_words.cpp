@@ -2,33 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
 
-#include "app/manual/whole_number.h"
 #include "app/run/interrupted.h"
 #include "vision/sources/open_source.h"
 #include "vision/v4l2/camera_controls.h"
 
 namespace skein::app {
-
-void CameraWords::add_to(CLI::App& command, bool calibrated) {
-  command
-      .add_option("--set", settings,
-                  "of a camera, repeatable: exposure=SECONDS (0: automatic), gain=, focus=, or a control of its own")
-      ->type_name("NAME=VALUE")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  if (!calibrated)
-    command.add_option("--size", size, "of a camera's frames; default: the calibration's, or the present setting")
-        ->type_name("WxH");
-  command.add_option("--format", format, "of a camera's frames; default: the cheapest that supports size and rate")
-      ->type_name("YUYV|MJPG|...");
-  command.add_option("--rate", rate, "of a camera [frames/s]; default: the present setting")
-      ->check(number_within(0.1, 10000.0));
-  command.add_option("--trigger", trigger, "what triggers the frames of an aravis camera; default: its own clock")
-      ->type_name("software|LINE");
-}
 
 tl::expected<vision::SourceOptions, std::string> CameraWords::read(const std::string& source) const {
   vision::SourceOptions options;

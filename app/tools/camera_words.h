@@ -7,13 +7,9 @@
 
 #include "vision/frames/frame_source.h"
 
-namespace CLI {
-class App;
-}
-
 namespace skein::app {
 
-/// A camera's requested settings, as options of `skein track` and `skein calibrate`.
+/// A camera's requested settings, as in the options of `skein track` and `skein calibrate`.
 struct CameraWords {
   std::string size{};    ///< "1280x960"; empty: the calibration's, or as it is set
   std::string format{};  ///< "MJPG"; empty: any
@@ -21,9 +17,7 @@ struct CameraWords {
   std::string trigger{};                ///< "software", "Line1"; empty: the camera's own clock
   std::vector<std::string> settings{};  ///< "exposure=0.005"
 
-  /// `calibrated`: the frames' size is the calibration's, without an option.
-  void add_to(CLI::App& command, bool calibrated);
-  /// The same for vision::open_source. Waiting for a camera that delivers no frames ends with the program. The error
+  /// As options of vision::open_source. Waiting for a camera that delivers no frames ends with the program. The error
   /// names the wrong option, or says that `source` is not a camera.
   tl::expected<vision::SourceOptions, std::string> read(const std::string& source) const;
 };
