@@ -119,10 +119,10 @@ std::vector<UnguardedCalibration> unguarded_calibrations(const Experiment& exper
     if (vision::MarkWatch(all[k], wanted_tags(experiment)).marks() >= vision::MarkWatch::least_seen) continue;
     bool overlaps = false;
     for (std::size_t j = 0; j < all.size(); ++j) overlaps = overlaps || (j != k && views_overlap(all[k], all[j]));
-    unguarded.push_back({k, fmt::format("{}{} has no marks on the floor{}: nothing shows {}that it is this camera's",
+    unguarded.push_back({k, fmt::format("{}{} has no marks on the floor{}nothing shows that it is this camera's",
                                         camera_prefix(experiment, k), experiment.camera_at(k).calibration,
-                                        overlaps ? "" : ", and this view overlaps with no other camera's",
-                                        overlaps ? "before another camera sees a robot together with this one " : "")});
+                                        overlaps ? ": until another camera sees the same robot as this one, "
+                                                 : ", and this view overlaps with no other camera's: ")});
   }
   return unguarded;
 }

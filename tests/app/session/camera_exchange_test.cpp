@@ -179,8 +179,8 @@ TEST(ExchangedCalibrations, ThatNothingShowsAreSpokenOf) {
   const FilmedRun run(filmed.experiment("west.toml", "east.toml"));
   EXPECT_TRUE(run.drove()) << run.failure;
   EXPECT_THAT(run.told,
-              ElementsAre(HasSubstr("west.toml has no marks on the floor: nothing shows before another camera"),
-                          HasSubstr("east.toml has no marks on the floor: nothing shows before another")));
+              ElementsAre(HasSubstr("west.toml has no marks on the floor: until another camera sees the same robot"),
+                          HasSubstr("east.toml has no marks on the floor: until another camera sees the")));
   ASSERT_FALSE(run.listed.empty());
   EXPECT_THAT(run.listed.back().reason, HasSubstr("west.toml has no marks on the floor"));
 }
