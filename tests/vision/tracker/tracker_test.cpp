@@ -375,6 +375,17 @@ TEST(TagTracker, ACameraThatHasSeenNoTagLooksByItselfWhateverAnotherOneSees) {
   EXPECT_LE(frames, 50) << "two seconds: every other look is for dim light";
 }
 
+/// The same once it has seen another tag: the audit finds it.
+TEST(TagTracker, ACameraFindsATagThatAnotherOneSeesBeyondItsPicture) {
+  TrackerLab lab({.tags = {1, 2}});
+  const std::vector<SyntheticTag> own{{2, {-0.4, -0.2, 1.0}}}, both{{2, {-0.4, -0.2, 1.0}}, {1, {0.2, 0.1, 0.4}}};
+  const std::vector<SeenElsewhere> outside{{1, {3.0, 0.0, 0.0}}};
+  for (int k = 0; k < 20; ++k) lab.step(own, outside);
+  int frames = 0;
+  while (frames < 100 && lab.step(both, outside).size() < 2) ++frames;
+  EXPECT_LE(frames, 50);
+}
+
 TEST(TagTracker, SeldomSearchesForATagThatTheBorderCutsWhereAnotherCameraSeesIt) {
   TrackerLab lab({.tags = first_ids(2)});
   const double size = lab.calibration.tag_size;
