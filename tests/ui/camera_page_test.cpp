@@ -81,6 +81,16 @@ TEST_F(CameraPageTest, ShowsTheRunsOwnPictureWithEveryTagInIt) {
   EXPECT_TRUE(eventually([&] { return stopped(); })) << "STOP while it is open";
 }
 
+/// All of them have the source "synthetic": it was taken for that of the second, whose pictures the run does not show.
+TEST_F(CameraPageTest, ShowsTheFirstOfTwoSyntheticCameras) {
+  const auto experiment = app::load_experiment(skein::test::in_source("resources/experiments/two-cameras.toml"));
+  ASSERT_TRUE(experiment.has_value());
+  start(*experiment);
+  open_page();
+  EXPECT_TRUE(eventually([&] { return status().contains(QStringLiteral("frames/s")); }))
+      << in_its_place().toStdString();
+}
+
 TEST_F(CameraPageTest, ThatIsIdleSaysSoOnce) {
   open_and_wait();
   const CameraPage* page = open_page();

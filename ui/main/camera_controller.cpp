@@ -52,6 +52,7 @@ void CameraController::show_camera() {
       return page_->refuse(tr("The run reads this camera, and shows the pictures of its first camera only"));
     camera.trigger = spec.trigger;
     camera.settings = app::control_settings(spec);
+    break;  // synthetic ones have one source
   }
   page_->show_camera(experiment, camera);
 }
