@@ -297,6 +297,34 @@ TEST(ArenaGround, IsThatOfTheViewThatIsShownWhateverWasDrawnBefore) {
   }
 }
 
+/// The last one of a camera that is frozen looks like any other.
+TEST(ArenaPicture, SaysThatItIsOld) {
+  app::Picture picture{
+      .width = 320, .height = 240, .grey = std::vector<std::uint8_t>(320 * 240, 128), .captured_at = 5.0};
+  ArenaView view;
+  view.resize(640, 480);
+  view.show_experiment(app::paper_experiment());
+  view.set_camera([](QPointF floor) { return QPointF(160.0 + 100.0 * floor.x(), 120.0 - 100.0 * floor.y()); });
+  view.show_picture(true);
+  view.set_picture(picture);
+  const auto has_band = [&](double now) {
+    app::TickRecord record;
+    record.robots.resize(4);
+    record.now = now;
+    view.show_record(record);
+    const QImage shown = view.grab().toImage();
+    const QPoint left = view.map().sheet().center().toPoint() - QPoint(view.map().sheet().toRect().width() / 2 - 4, 0);
+    return shown.pixelColor(left) == colours(view.palette()).alarm_fill;
+  };
+  EXPECT_FALSE(has_band(5.2));
+  EXPECT_EQ(view.scene().old_picture(), QString());
+  EXPECT_TRUE(has_band(17.0));
+  EXPECT_EQ(view.scene().old_picture(), QStringLiteral("This picture is 12 s old"));
+  picture.captured_at = 17.0;
+  view.set_picture(picture);
+  EXPECT_FALSE(has_band(17.1));
+}
+
 TEST(ArenaHint, SaysAllOfALongHintInANarrowWindow) {
   const auto ink_at = [](int width) {
     ArenaView view;

@@ -81,6 +81,17 @@ TEST_F(CameraPageTest, ShowsTheRunsOwnPictureWithEveryTagInIt) {
   EXPECT_TRUE(eventually([&] { return stopped(); })) << "STOP while it is open";
 }
 
+/// It looked like any other picture, and the frames that reached the window went on as well.
+TEST_F(CameraPageTest, SaysThatThePictureOfAFrozenCameraIsOld) {
+  const auto experiment = app::load_experiment(skein::test::in_source("resources/experiments/platoon-loopback.toml"),
+                                               {"camera.freeze_at=0.5"});
+  ASSERT_TRUE(experiment.has_value());
+  start(*experiment);
+  open_page();
+  EXPECT_TRUE(eventually([&] { return in_its_place().contains(QStringLiteral("No new picture has come for 2 s")); }))
+      << in_its_place().toStdString();
+}
+
 /// All of them have the source "synthetic": it was taken for that of the second, whose pictures the run does not show.
 TEST_F(CameraPageTest, ShowsTheFirstOfTwoSyntheticCameras) {
   const auto experiment = app::load_experiment(skein::test::in_source("resources/experiments/two-cameras.toml"));

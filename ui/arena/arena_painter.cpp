@@ -9,6 +9,7 @@
 #include "ui/arena/arena_other.h"
 #include "ui/arena/arena_pens.h"
 #include "ui/base/modes.h"
+#include "ui/base/picture.h"
 #include "ui/base/tr.h"
 
 namespace skein::ui {
@@ -53,8 +54,10 @@ void ArenaPainter::floor(const QRectF& widget) {
   if (map_.shows_picture() && !scene_.picture.isNull()) {
     p_.setRenderHint(QPainter::SmoothPixmapTransform);
     p_.drawImage(map_.sheet(), scene_.picture);
-    // Slightly back, so that what is drawn over it can be read.
-    p_.fillRect(map_.sheet(), faded(c_.floor, c_.dark ? 0.35 : 0.25));
+    // Slightly back, so that what is drawn over it can be read; an old one far.
+    const QString old = scene_.old_picture();
+    p_.fillRect(map_.sheet(), faded(c_.floor, !old.isEmpty() ? 0.7 : c_.dark ? 0.35 : 0.25));
+    if (!old.isEmpty()) paint_across(p_, map_.sheet(), old, c_);
     return;
   }
   const double w = scene_.experiment.arena_width / 2, h = scene_.experiment.arena_height / 2;

@@ -76,6 +76,7 @@ QString ArenaView::spoken() const {
   if (!scene_.record) return {};
   QStringList lines;
   if (!scene_.banner.isEmpty()) lines << scene_.banner;
+  if (const QString old = scene_.old_picture(); !old.isEmpty()) lines << old;
   for (std::size_t i = 0; i < scene_.record->robots.size(); ++i) {
     const auto pose = scene_.pose(i);
     if (scene_.selected >= 0 && static_cast<std::size_t>(scene_.selected) != i) continue;

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/reference/reference.h"
+#include "ui/base/tr.h"
 
 namespace skein::ui {
 
@@ -22,8 +23,16 @@ void ArenaScene::reset(const app::Experiment& of) {
   hovered = -1;
   if (selected >= static_cast<int>(experiment.robots.size())) selected = -1;
   picture = {};
+  pictured_at = app::none;
 
   lines = app::make_reference(experiment)->lines();
+}
+
+QString ArenaScene::old_picture() const {
+  constexpr double old = 1.0;  // [s]
+  const double age = record ? record->now - pictured_at : app::none;
+  if (!show_picture || picture.isNull() || !(age > old)) return {};
+  return tr("This picture is %1 s old").arg(age, 0, 'f', 0);
 }
 
 void ArenaScene::show_record(const app::TickRecord& newest) {

@@ -54,6 +54,10 @@ struct ArenaScene {
 
   bool show_picture = false, show_regions = true, show_trails = true, show_couplings = true, show_grid = true;
   QImage picture;
+  double pictured_at = app::none;  ///< on the session's clock [s]
+
+  /// What is written over a picture that does not show the floor as it is; empty: it does.
+  QString old_picture() const;
 
   int selected = -1, hovered = -1;  ///< robots from 0
   struct Ghost {

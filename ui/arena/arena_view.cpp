@@ -59,6 +59,7 @@ void ArenaView::set_camera(ArenaMap::Camera camera) {
 void ArenaView::set_picture(const app::Picture& picture) {
   const bool first = scene_.picture.isNull();
   scene_.picture = image_of(picture);
+  scene_.pictured_at = picture.captured_at;
   if (first) choose_sheet();
   if (scene_.show_picture) update();
 }

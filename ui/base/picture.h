@@ -2,10 +2,12 @@
 
 #include <QBuffer>
 #include <QImage>
+#include <QPainter>
 #include <QRectF>
 #include <QSizeF>
 
 #include "app/run/status.h"
+#include "ui/base/palette.h"
 
 namespace skein::ui {
 
@@ -37,6 +39,17 @@ inline QString html_of(const app::UnseenTag& tag) {
 inline QRectF sheet_of(const QImage& picture, QSizeF widget) {
   const QSizeF size = QSizeF(picture.size()).scaled(widget, Qt::KeepAspectRatio);
   return {QPointF((widget.width() - size.width()) / 2, (widget.height() - size.height()) / 2), size};
+}
+
+/// A text across the middle of a picture that does not show what there is now.
+inline void paint_across(QPainter& p, const QRectF& sheet, const QString& text, const Colours& colours) {
+  constexpr int flags = Qt::AlignCenter | Qt::TextWordWrap;
+  QRectF band = sheet;
+  band.setHeight(p.boundingRect(sheet, flags, text).height() + p.fontMetrics().height());
+  band.moveCenter(sheet.center());
+  p.fillRect(band, colours.alarm_fill);
+  p.setPen(Qt::white);
+  p.drawText(band, flags, text);
 }
 
 }  // namespace skein::ui

@@ -227,6 +227,7 @@ void CameraPage::show_camera(const app::Experiment& experiment, const app::Watch
   refused_.clear();
   calibration_->setPlaceholderText(of_run_ ? tr("that of the run") : tr("none: sizes in px only"));
   watch_ = std::make_unique<app::CameraViewer>(experiment, camera);
+  pictured_at_ = app::none;
   picture_->clear(tr("Waiting for a picture"));
   show_settings({});
   show_status({});
@@ -275,11 +276,14 @@ void CameraPage::refresh() {
                                               : count + QLatin1Char(' ') + QString::fromStdString(found.problem));
   }
   app::CameraView view;
-  if (!watch_ || !watch_->view(view)) return;
+  const bool news = watch_ && watch_->view(view);
+  if (watch_) show_age(news ? &view : nullptr);
+  if (!news) return;
   picture_->show_view(view);
   tags_.show(view.tags);
   show_settings(view);
   show_status(view);
+  newest_ = view;
   if (!view.over) return;
   // The last picture stays.
   const QString why = QString::fromStdString(view.problem);
@@ -290,6 +294,22 @@ void CameraPage::refresh() {
   watch_.reset();
   look_->setText(tr("Look"));
   look_->setAccessibleName(look_->text());
+}
+
+/// A camera that is frozen, or lost, leaves its last picture here, which looks like any other.
+void CameraPage::show_age(const app::CameraView* view) {
+  constexpr qint64 old_ms = 2000;  // searching takes a while
+  if (view && view->picture.captured_at != pictured_at_) {
+    pictured_at_ = view->picture.captured_at;
+    comes_again_and_again_ = of_run_ || !std::isnan(view->rate);
+    shown_for_.restart();
+  }
+  const bool old =
+      comes_again_and_again_ && !std::isnan(pictured_at_) && shown_for_.isValid() && shown_for_.elapsed() > old_ms;
+  picture_->set_note(old ? tr("No new picture has come for %1 s").arg(shown_for_.elapsed() / 1000) : QString());
+  if (!old || std::isnan(newest_.rate)) return;
+  newest_.rate = app::none;  // of before
+  show_status(newest_);
 }
 
 void CameraPage::show_settings(const app::CameraView& view) {

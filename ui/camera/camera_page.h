@@ -4,6 +4,7 @@
 #include <QCheckBox>
 #include <QComboBox>
 #include <QDialog>
+#include <QElapsedTimer>
 #include <QLabel>
 #include <QLineEdit>
 #include <QPushButton>
@@ -86,6 +87,7 @@ class CameraPage final : public QDialog {
   QWidget* build_controls();
   void search();
   void refresh();
+  void show_age(const app::CameraView* view);
   void show_settings(const app::CameraView& view);
   void show_status(const app::CameraView& view);
   void show_status_text(const QString& text);
@@ -104,8 +106,12 @@ class CameraPage final : public QDialog {
   std::future<app::FoundCameras> found_;
   std::unique_ptr<app::CameraViewer> watch_;
   std::vector<app::CameraSetting> present_;
-  QString watched_;  // the source that is shown
-  QString refused_;  // what was typed into a setting last, and why it is not taken; empty: it is
+  QString watched_;                     // the source that is shown
+  bool comes_again_and_again_ = false;  // no still
+  app::CameraView newest_;
+  double pictured_at_ = app::none;  // of the picture that is shown [s]
+  QElapsedTimer shown_for_;         // since it came
+  QString refused_;                 // what was typed into a setting last, and why it is not taken; empty: it is
   bool of_run_ = false;
 };
 

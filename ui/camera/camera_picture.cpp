@@ -83,14 +83,22 @@ void CameraPicture::show_view(const app::CameraView& view) {
 
 void CameraPicture::clear(const QString& why) {
   picture_ = {};
+  note_.clear();
   tags_.clear();
   why_ = why;
+  update();
+}
+
+void CameraPicture::set_note(const QString& note) {
+  if (note_ == note) return;
+  note_ = note;
   update();
 }
 
 QString CameraPicture::told() const {
   if (picture_.isNull()) return why_;
   QStringList lines;
+  if (!note_.isEmpty()) lines << note_;
   for (const app::WatchedTag& tag : tags_)
     if (tag.seen) lines << tr("tag %1, %2: %3").arg(tag.tag).arg(size_of(tag), verdict_on(tag));
   return lines.isEmpty() ? tr("no tag is seen") : lines.join(QStringLiteral("; "));
@@ -155,6 +163,7 @@ void CameraPicture::paintEvent(QPaintEvent*) {
     p.drawText(box.adjusted(edge, 0, 0, 0), Qt::AlignLeft, written[k]);
     texts_.push_back({seen[k]->tag, box});
   }
+  if (!note_.isEmpty()) paint_across(p, sheet, note_, c);
 }
 
 }  // namespace skein::ui

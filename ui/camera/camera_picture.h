@@ -22,7 +22,8 @@ class CameraPicture final : public QWidget {
  public:
   explicit CameraPicture(QWidget* parent = nullptr);
   void show_view(const app::CameraView& view);
-  void clear(const QString& why);  ///< no picture, and the text in its place
+  void clear(const QString& why);      ///< no picture, and the text in its place
+  void set_note(const QString& note);  ///< across the picture; empty: nothing
   QSize sizeHint() const override { return {560, 420}; }
   QSize minimumSizeHint() const override { return {280, 210}; }
 
@@ -41,7 +42,7 @@ class CameraPicture final : public QWidget {
   QImage picture_;
   std::vector<app::WatchedTag> tags_;
   std::vector<Text> texts_;
-  QString why_;
+  QString why_, note_;
 };
 
 }  // namespace skein::ui
