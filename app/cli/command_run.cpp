@@ -216,7 +216,9 @@ int run(const RunRequest& request) {
   Statistics::Summary summary = statistics.summary();
   complete(summary, facts_of(**session, end), *experiment);
   const vision::SourceStatus camera = (*session)->camera();
-  if (camera.outages > 0) complain(fmt::format("the camera failed {} times: {}", camera.outages, camera.reason));
+  if (camera.outages > 0)
+    complain(
+        fmt::format("the camera failed {} time{}: {}", camera.outages, camera.outages == 1 ? "" : "s", camera.reason));
   if (publisher) {
     const Publisher::Counts counts = publisher->finish();
     summary.published = {counts.sent, counts.dropped};
