@@ -96,11 +96,12 @@ namespace {
 /// Whether there is a place where both cameras see a whole tag.
 bool views_overlap(const vision::Calibration& one, const vision::Calibration& other) {
   constexpr int steps = 24;  // across the picture, and down
-  for (int k = 0; k <= steps * steps + 2 * steps; ++k) {
-    const double u = (one.width - 1.0) * (k % (steps + 1)) / steps, v = (one.height - 1.0) * (k / (steps + 1)) / steps;
-    const auto place = vision::world_from_pixel(one, {u, v}, one.tag_height);
-    if (place && shows_tag(one, place->x(), place->y()) && shows_tag(other, place->x(), place->y())) return true;
-  }
+  for (int row = 0; row <= steps; ++row)
+    for (int column = 0; column <= steps; ++column) {
+      const double u = (one.width - 1.0) * column / steps, v = (one.height - 1.0) * row / steps;
+      const auto place = vision::world_from_pixel(one, {u, v}, one.tag_height);
+      if (place && shows_tag(one, place->x(), place->y()) && shows_tag(other, place->x(), place->y())) return true;
+    }
   return false;
 }
 
