@@ -268,8 +268,7 @@ tl::expected<Page, std::string> report_page(std::istream& csv, const std::string
     const auto more = reader->next(row);
     if (!more) return tl::unexpected(more.error());
     if (!*more) break;
-    if (row.phase == Phase::running && row.tick >= experiment->ticks())
-      row.phase = Phase::finished;  // which a CSV does not tell
+    find_end(*experiment, row);
     statistics.record(row);
     for_figures.record(row);
     film.add(row);

@@ -97,6 +97,7 @@ Done write_report(const std::string& directory, const Experiment& experiment, co
     const auto more = reader->next(row);
     if (!more) return tl::unexpected(more.error());
     if (!*more) return draw(directory, experiment, summary, figures);
+    find_end(experiment, row);
     figures.record(row);
   }
 }

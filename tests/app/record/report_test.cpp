@@ -111,6 +111,23 @@ TEST_F(Report, DrawsManyRobotsThatAreSeenLateOrNever) {
   }
 }
 
+/// In a file the rows after the end, when robots have driven back to their starts, look like those of the run.
+TEST_F(Report, LeavesOutWhereRobotsStandAfterTheRun) {
+  const Experiment e = experiment("duration = 1\n");
+  const auto rows = test::simulate(e);
+  const auto drawn = [&](const std::vector<TickRecord>& of) {
+    EXPECT_TRUE(draw(e, of));
+    return test::read_file(directory / "figure3.dat");
+  };
+  const std::string of_run = drawn(rows);
+  auto with_the_end = rows;
+  with_the_end.push_back(rows.front());
+  with_the_end.back().phase = Phase::finished;
+  with_the_end.back().tick = e.ticks();
+  with_the_end.back().t = 1.0;
+  EXPECT_EQ(drawn(with_the_end), of_run);
+}
+
 /// Their colours come again from robot 9 on. Robot k is k cm beside its place, robot 1 farther than all others.
 TEST_F(Report, TellsWhichOfManyRobotsHadTheLargestErrors) {
   std::string text = "duration = 2\nreference.kind = \"independent\"\n[arena]\nwidth = 4\nheight = 4\n";
