@@ -77,9 +77,14 @@ class CsvReader {
   std::size_t robots_ = 0, deltas_ = 0, cameras_ = 0;
 };
 
-/// `phase` of a row that was written after the end of its run: a file tells only of those in which robots drive.
+/// `phase` of a row with which its run was stopped, or that was written after its end: a file tells only of those in
+/// which robots drive.
 inline void find_end(const Experiment& experiment, TickRecord& row) noexcept {
-  if (row.phase == Phase::running && row.tick >= experiment.ticks()) row.phase = Phase::finished;
+  if (row.phase != Phase::running) return;
+  if (row.tick >= experiment.ticks())
+    row.phase = Phase::finished;
+  else if (row.events.contains<events::Stop>())
+    row.phase = Phase::stopped;
 }
 
 }  // namespace skein::app

@@ -83,6 +83,11 @@ void Statistics::record(const TickRecord& record) {
   so_far_.min_distance = std::fmin(so_far_.min_distance, record.min_distance);
   count_collisions(record);
   if (!counts(record.phase)) return;  // on the way to the starts
+  const bool between_runs = so_far_.ticks == 0 || record.tick >= experiment_.ticks();
+  if (record.phase == Phase::stopped && between_runs) {  // on the way to the starts, or back to them
+    so_far_.stopped = true;
+    return note_events(record);
+  }
   const Sample sample{record.t,
                       formation_error(record),
                       tracking_error(record, schedule_),

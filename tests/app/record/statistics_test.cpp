@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/experiment/experiment_file.h"
+#include "app/record/csv_reader.h"
 #include "tests/app/fixture.h"
 
 namespace skein::app {
@@ -70,6 +71,48 @@ TEST(Statistics, FindsWhenErrorsSettledForGood) {
   EXPECT_NEAR(*p.settling.tracking_1cm, 2.0, 1e-9);
   EXPECT_NEAR(*p.settling.tracking_5mm, 3.0, 1e-9);
   EXPECT_FALSE(p.formation_first());
+}
+
+/// Robots on the way to their starts: the run has no tick, and nothing has been measured of it.
+TEST(Statistics, ARunThatIsStoppedBeforeItsStartHasNoTick) {
+  History h;
+  TickRecord on_the_way = h.row(0.5, 0.5);
+  on_the_way.phase = Phase::staging;
+  h.add(on_the_way);
+  TickRecord stop = on_the_way;
+  stop.phase = Phase::stopped;
+  stop.events.add(events::Stop{});
+  h.add(stop);
+  const Statistics::Summary summary = h.summary();
+  EXPECT_EQ(summary.ticks, 0);
+  EXPECT_EQ(summary.duration, 0.0);
+  EXPECT_TRUE(std::isnan(summary.final_error));
+  EXPECT_TRUE(summary.stopped);
+  ASSERT_EQ(summary.events.size(), 1U);
+  EXPECT_EQ(summary.events.front().second, "stop");
+
+  History running;
+  running.add(3, 0.0, 0.0);
+  TickRecord stopped = running.row();
+  stopped.phase = Phase::stopped;
+  running.add(stopped);
+  EXPECT_EQ(running.summary().ticks, 4) << "the control: the tick that stops a run is one of it";
+}
+
+/// Of the same in a file, where the row looks like that of a run.
+TEST(Statistics, ARowOfAFileThatStopsItsRunIsKnown) {
+  const Experiment e = paper_experiment();
+  TickRecord row;
+  row.phase = Phase::running;
+  find_end(e, row);
+  EXPECT_EQ(row.phase, Phase::running) << "the control";
+  row.events.add(events::Stop{});
+  find_end(e, row);
+  EXPECT_EQ(row.phase, Phase::stopped);
+  row.phase = Phase::running;
+  row.tick = e.ticks();
+  find_end(e, row);
+  EXPECT_EQ(row.phase, Phase::finished) << "on the way back to the starts";
 }
 
 TEST(Statistics, AFormationThatWaitsIsWholeOnItsOwnClockAndTracksOnTheExperiments) {
