@@ -279,7 +279,7 @@ void TickState::watch_obedience(std::size_t i) noexcept {
                                   .blind_way = link.linked ? link.blind_way : 0.0,
                                   .lost = record.robots[i].is(lost),
                                   .judged = watched && moving()},
-                                 filters[i], record.robots[i].measurement);
+                                 filters[i], fusion.fused(i));
   if (changed) note(robot.disobeys() ? Event(events::Runaway{i, robot.motion()->v}) : Event(events::Obeys{i}));
   stuck[i] = robot.stuck();
   if (stuck[i]) driving[i] = {};

@@ -16,13 +16,15 @@ CameraFusion::CameraFusion(std::size_t robots, std::size_t cameras, const Filter
       seen_(robots * cameras),
       apart_(robots * (cameras * (cameras - 1) / 2)),
       comparisons_(cameras * (cameras - 1) / 2),
-      believed_(robots) {
+      believed_(robots),
+      fused_(robots) {
   in_order_.reserve(cameras);
 }
 
 void CameraFusion::forget() noexcept {
   for (Seen& each : seen_) each = {};
   for (Measurement& each : believed_) each = {};
+  for (Measurement& each : fused_) each = {};
   for (Apart& each : apart_) each = {};
   for (Comparison& each : comparisons_) each = {};
 }
@@ -50,7 +52,10 @@ CameraFusion::Outcome CameraFusion::take(std::size_t robot, std::size_t camera, 
     const Verdict verdict = reconcile(robot, camera, before.captured_at, filter, now, fused);
     if (!verdict.agrees) return {.expected = {}, .disagreement = verdict.disagreement, .difference = difference};
   }
-  if (measurement.captured_at > believed_[robot].captured_at) believed_[robot] = measurement;
+  if (measurement.captured_at > believed_[robot].captured_at) {
+    believed_[robot] = measurement;
+    fused_[robot] = fused;
+  }
   return {.expected = filter.fuse(parameters_, fused), .disagreement = {}, .difference = difference};
 }
 

@@ -36,6 +36,8 @@ class CameraFusion {
   }
   /// The newest measurement of a robot that its filter has taken in, as the camera made it.
   const Measurement& believed(std::size_t robot) const noexcept { return believed_[robot]; }
+  /// The same as the filter took it: shifted to where the cameras before have the robot. Only these show how it moves.
+  const Measurement& fused(std::size_t robot) const noexcept { return fused_[robot]; }
 
   /// Another camera goes on to see the robot elsewhere.
   struct Disagreement {
@@ -98,7 +100,7 @@ class CameraFusion {
   std::vector<Seen> seen_;               // robot i by camera c at c * robots + i
   std::vector<Apart> apart_;             // of robot i: pair p at i * pairs + p
   std::vector<Comparison> comparisons_;  // by pair
-  std::vector<Measurement> believed_;
+  std::vector<Measurement> believed_, fused_;
   std::vector<std::size_t> in_order_;
 };
 

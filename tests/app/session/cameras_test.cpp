@@ -141,6 +141,16 @@ TEST(Cameras, WhoseCalibrationsDifferSlightlyAreTold) {
   EXPECT_THAT(run.alarms, Contains(HasSubstr("skein calibrate joint corrects it")));
 }
 
+/// By 0.45 degrees: when the eastern camera does not see a robot any more, its measured pose jumps by some 16 mm. No
+/// robot has moved by that.
+TEST(Cameras, NobodyIsTakenForARunawayWhereTwoCalibrationsDiffer) {
+  const CamerasRun run(platoon_under_two(",bump_at=0,bump=0.45"));
+  EXPECT_EQ(run.end, Phase::finished) << run.failure;
+  EXPECT_EQ(run.sink.count<events::CamerasDiffer>(), 1);
+  EXPECT_FALSE(run.sink.has<events::Runaway>());
+  EXPECT_EQ(replayed_cameras(run), "");
+}
+
 /// Robots drive out of the eastern camera's view, and the western one is so far out of focus that it sees nothing.
 TEST(Cameras, OneThatIsBlindIsNamedBeforeRobotsAreLostUnderIt) {
   const CamerasRun run(platoon_under_two("", {"camera.defocus_at=0", "camera.defocus=8"}));
