@@ -74,7 +74,8 @@ struct CameraPair {
 
 /// What is known about the cameras before a start.
 struct CameraStatus {
-  std::string down{};                     ///< why they do not deliver frames; empty: they do
+  std::string down{};                     ///< why they, or some, do not deliver frames; empty: all do
+  bool partly = false;                    ///< some do
   MarksStatus marks{};                    ///< on the floor
   std::vector<std::string> automatics{};  ///< "exposure", "gain", "focus": what they set by themselves, unasked
   std::vector<CameraPair> pairs{};        ///< any two of several

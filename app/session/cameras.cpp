@@ -126,6 +126,7 @@ vision::SourceStatus Cameras::status() const {
 
 /// What a camera sees of a tag says more than that another one finds nothing of it.
 std::vector<UnseenTag> Cameras::why_not_seen() {
+  std::string down;
   std::vector<std::pair<std::size_t, UnseenTag>> all;
   for (std::size_t k = 0; k < all_.size(); ++k)
     for (UnseenTag& tag : all_[k].rig->why_not_seen()) all.emplace_back(k, std::move(tag));
@@ -142,7 +143,9 @@ std::vector<UnseenTag> Cameras::why_not_seen() {
   }
   return unseen;
 }
+    if (!one.up) down += (down.empty() ? "" : "; ") + prefix + one.reason;
 
+  if (!down.empty()) all.reason = std::move(down);  // not that of an outage that is over
 std::vector<UnseenTag> Cameras::why_lost() const {
   std::vector<UnseenTag> unseen(experiment_.robots.size());
   for (std::size_t k = 0; k < all_.size(); ++k) {
@@ -171,7 +174,8 @@ MarksStatus Cameras::marks() const {
   for (const Each& camera : all_) {
     const MarksStatus one = camera.rig->marks();
     all.watched = all.watched || one.watched;
-    all.known = all.known && one.known;
+    // The start does not wait for one that is lost: the others' robots can drive without it.
+    all.known = all.known && (one.known || camera.lost.load(std::memory_order_acquire));
     if (!all.moved) all.moved = one.moved;
     if (all.exchanged.empty()) all.exchanged = one.exchanged;
     if (!one.sentence.empty()) all.sentence += (all.sentence.empty() ? "" : "; ") + one.sentence;
@@ -205,3 +209,8 @@ std::string Cameras::failure() const {
 }
 
 }  // namespace skein::app
+bool Cameras::partly_down() const {
+  const auto is_lost = [](const Each& camera) { return camera.lost.load(std::memory_order_acquire); };
+  return std::any_of(all_.begin(), all_.end(), is_lost) && !std::all_of(all_.begin(), all_.end(), is_lost);
+}
+

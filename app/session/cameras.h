@@ -54,13 +54,15 @@ class Cameras {
   std::vector<UnseenTag> why_lost() const;
   /// Sentences about lost robots and cameras, each once. Any thread, one caller at a time.
   std::vector<std::string> alarms();
-  /// Of all cameras: `known` if it is for each, `moved` of the first one that moved, and the sentences of all. Any
-  /// thread.
+  /// Of all cameras: `known` if it is for each that is not lost, `moved` of the first one that moved, and the sentences
+  /// of all. Any thread.
   MarksStatus marks() const;
   /// Notices which of several cameras are lost or back. Not on the control thread; one caller at a time.
   void watch();
   /// Why there is no camera left; empty: there is one.
   std::string failure() const;
+  /// Some of several cameras are lost, and others are not. Any thread.
+  bool partly_down() const;
 
  private:
   struct Each {

@@ -37,7 +37,7 @@ Check camera(const Experiment& e, const CameraStatus& status) {
       return {What::camera, State::fails, fmt::format("{}there is no {}", prefix, file), real};
   }
   // No calibration helps a camera that delivers nothing.
-  if (!status.down.empty())
+  if (!status.down.empty() && !status.partly)
     return {What::camera, State::fails, fmt::format("{}; the start waits for it", status.down), true, false};
   const bool stops = e.failure.camera_moved == FailureSpec::CameraMoved::all_stop;
   if (!marks.exchanged.empty()) return {What::camera, State::fails, marks.exchanged, stops, false};
@@ -47,6 +47,8 @@ Check camera(const Experiment& e, const CameraStatus& status) {
                                          [](const auto& a, const auto& b) { return a.apart < b.apart; });
   if (farthest != status.pairs.end() && farthest->apart > 0.0)
     return {What::camera, State::fails, camera_pair_sentence(e, *farthest), contradict(e, *farthest)};
+  if (!status.down.empty())  // of the robots that only it sees the tags tell
+    return {What::camera, State::fails, status.down + "; robots that no other camera sees stand", false, false};
   if (!marks.known)
     return {What::camera, State::waits,
             marks.sentence.empty() ? "the marks on the floor are being looked for" : marks.sentence, false};

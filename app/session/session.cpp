@@ -137,7 +137,10 @@ vision::SourceStatus Session::camera() const {
 CameraStatus Session::camera_status() const {
   const vision::SourceStatus source = camera();
   CameraStatus status{.down = source.up ? "" : source.reason, .marks = marks(), .automatics = source.automatics};
-  if (const Cameras* cameras = wiring_->plant->cameras()) status.why_lost = cameras->why_lost();
+  if (const Cameras* cameras = wiring_->plant->cameras()) {
+    status.partly = cameras->partly_down();
+    status.why_lost = cameras->why_lost();
+  }
   status.pairs = wiring_->loop->camera_pairs();
   for (const UnguardedCalibration& one : wiring_->unguarded) {
     const bool compared = std::any_of(status.pairs.begin(), status.pairs.end(), [&](const CameraPair& pair) {

@@ -241,6 +241,33 @@ TEST(Cameras, OneThatIsLostLeavesTheRest) {
   EXPECT_EQ(replayed_cameras(run), "");
 }
 
+TEST(Cameras, TheReasonIsThatOfTheOneThatIsLostNow) {
+  const CamerasRun run(platoon_under_two(",lost_at=2.5", {"camera.freeze_at=0.5", "camera.freeze_for=0.6"}));
+  EXPECT_EQ(run.camera.outages, 2) << "the other one was frozen";
+  EXPECT_EQ(run.down, "camera 2: the synthetic camera is lost (camera.lost_at)");
+}
+
+/// Its marks on the floor will not be looked for.
+TEST(Cameras, OneThatIsLostBeforeTheStartDoesNotKeepTheOthersFromDriving) {
+  const test::Folder folder;
+  vision::Calibration camera = vision::overhead_calibration(2.0, 1.5);
+  for (int k = 0; k < 4; ++k)
+    camera.marks.push_back({.name = "tag " + std::to_string(20 + k),
+                            .tag = 20 + k,
+                            .x = k % 2 == 0 ? -0.9 : 0.9,
+                            .y = k < 2 ? -0.65 : 0.65,
+                            .size = 0.06});
+  ASSERT_TRUE(save_calibration(camera, folder / "first.toml"));
+  camera.world_from_camera->position.z() += 0.1;
+  ASSERT_TRUE(save_calibration(camera, folder / "second.toml"));
+  const CamerasRun run(platoon_under_two(",lost_at=0,calibration=\"" + (folder / "second.toml") + "\"",
+                                         {"camera.calibration=" + (folder / "first.toml"), "duration=1"}));
+  EXPECT_EQ(run.end, Phase::finished) << run.failure;
+  EXPECT_THAT(run.alarms, Contains(HasSubstr("camera 2: lost: the synthetic camera is lost")));
+  ASSERT_FALSE(run.sink.rows.empty());
+  EXPECT_LT(run.sink.rows.front().now, 2.0) << "the other one has looked at its marks twice by then";
+}
+
 TEST(Cameras, WhenAllAreLostEverybodyStops) {
   const CamerasRun run(platoon_under_two(",lost_at=2.5", {"camera.lost_at=3"}));
   EXPECT_EQ(run.end, Phase::stopped);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <utility>
 
 #include "app/experiment/at_start.h"
 #include "app/experiment/experiment_file.h"
@@ -213,6 +214,25 @@ TEST_F(Readiness, ACameraThatDeliversNothingIsNotToBeCalibrated) {
   EXPECT_FALSE(camera.button);
   const CameraStatus bumped{.marks = {.moved = events::CameraMoved{.by = 0.041, .marks = 6}}};
   EXPECT_TRUE(readiness(experiment, &certificate, &look(), robots, bumped).front().button) << "the control";
+}
+
+/// The operator decides whether to wait for it; nobody drives whom no other camera sees.
+TEST_F(Readiness, OneOfSeveralCamerasThatIsLostDoesNotKeepRobotsFromDrivingThatAnotherOneSees) {
+  experiment.camera.source = "synthetic";
+  experiment.camera.also.resize(1);
+  measurements.resize(experiment.cameras() * experiment.robots.size());
+  CameraStatus cameras{.down = "camera 2: unplugged", .partly = true};
+  std::vector<Check> checks = readiness(experiment, &certificate, &look(), robots, cameras);
+  EXPECT_EQ(checks.front().state, Check::State::fails);
+  EXPECT_EQ(checks.front().reason, "camera 2: unplugged; robots that no other camera sees stand");
+  EXPECT_TRUE(may_start(checks));
+  const core::Measurement seen = std::exchange(measurements[1], {});
+  EXPECT_FALSE(may_start(readiness(experiment, &certificate, &look(), robots, cameras))) << "nobody sees robot 2";
+  measurements[1] = seen;
+  cameras.marks.moved = events::CameraMoved{.by = 0.041, .marks = 6};
+  EXPECT_FALSE(may_start(readiness(experiment, &certificate, &look(), robots, cameras))) << "the other one was moved";
+  cameras = {.down = "camera 1: unplugged; camera 2: unplugged"};
+  EXPECT_FALSE(may_start(readiness(experiment, &certificate, &look(), robots, cameras))) << "none is left";
 }
 
 TEST_F(Readiness, ARealCameraNeedsItsCalibration) {
