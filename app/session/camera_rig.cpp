@@ -100,6 +100,11 @@ CameraRig::CameraRig(const Experiment& experiment, std::size_t number, SessionCl
       rate_watch_(experiment.rate),
       stamp_watch_(experiment.estimation.bridge) {}
 
+void CameraPace::wait() {
+  deadline_ += period_ * std::max(1.0, std::ceil((clock_.now() - deadline_) / period_));
+  std::this_thread::sleep_until(clock_.at(deadline_));
+}
+
 CameraRig::~CameraRig() {
   end();
   if (ready_ >= 0) ::close(ready_);
@@ -149,9 +154,9 @@ void CameraRig::tell(EventList& events) noexcept {
   told_of_film_ = true;
 }
 
-void CameraRig::start() {
+void CameraRig::start(bool alone) {
   findings_.start();
-  thread_ = std::jthread([this](const std::stop_token& stop) { thread(stop); });
+  if (alone) thread_ = std::jthread([this](const std::stop_token& stop) { thread(stop); });
 }
 
 vision::SourceStatus CameraRig::camera() const {
@@ -184,37 +189,33 @@ void CameraRig::end() {
 
 void CameraRig::thread(const std::stop_token& stop) {
   ask_for_priority(camera_priority);  // refused: the control thread's was as well, and says so
+  await_source(stop);
+  CameraPace pace(clock_, experiment_.period());
+  while (!stop.stop_requested()) {
+    if (!live_) pace.wait();
+    if (spec_.kind() == CameraKind::recorded && !next_in_film()) return;
+    if (!step(clock_.now())) return;
+  }
+}
+
+bool CameraRig::step(double now) {
   try {
-    await_source(stop);
-    // Half a period out of step with the control thread, as far as a camera without a trigger can be.
-    double deadline = clock_.now() + 0.5 * experiment_.period();
-    while (!stop.stop_requested()) {
-      if (!live_) {
-        deadline += experiment_.period() * std::max(1.0, std::ceil((clock_.now() - deadline) / experiment_.period()));
-        std::this_thread::sleep_until(clock_.at(deadline));
-      }
-      if (!capture()) break;
-      work_off();
-    }
+    if (capture(now)) work_off();
   } catch (const std::exception& error) {
     reason_ = fmt::format("camera: {}", error.what());
   }
   if (!reason_.empty()) failed_.store(true, std::memory_order_release);
+  return reason_.empty();
 }
 
-void CameraRig::process_frame() {
-  if (failed()) return;
-  if (capture())
-    work_off();
-  else
-    failed_.store(true, std::memory_order_release);
+void CameraRig::process_frame(double now) {
+  if (!failed()) step(now);
 }
 
 /// The only place that knows of camera.latency: film, tracker and tick get the corrected time. Nothing is captured
 /// after it has arrived: the operator is told of a clock that says so.
-bool CameraRig::capture() {
-  repeat_watch_.keep(frame_);
-  if (!(rendered_ ? render() : receive())) return false;
+bool CameraRig::capture(double now) {
+  if (!(rendered_ ? render() : receive(now))) return false;
   const double captured_at = frame_.captured_at - spec_.latency, arrived_at = seen_.times.arrived_at;
   if (std::string ahead = stamp_watch_.update_ahead(captured_at - arrived_at, arrived_at); !ahead.empty())
     findings_.tell(prefix_ + ahead);
@@ -228,23 +229,41 @@ bool CameraRig::render() {
     reason_ = "the synthetic camera is lost (camera.lost_at)";
     return false;
   }
+  repeat_watch_.keep(frame_);
   rendered_->render(now, frame_);
   seen_.times = {frame_.captured_at, clock_.now(), none, none};
   seen_.times.grey_at = seen_.times.arrived_at;
   return true;
 }
 
-bool CameraRig::receive() {
+bool CameraRig::read() {
+  repeat_watch_.keep(frame_);
   const auto read = source_->read(frame_);
   if (!read)
     reason_ = read.error();
   else if (!*read)
     reason_ = fmt::format("{}: the stream is at its end{}", spec_.source, never_seen());
-  if (!reason_.empty()) return false;
-  const double now = clock_.now();
+  return reason_.empty();
+}
+
+std::optional<double> CameraRig::next_in_film() {
+  if (failed()) return {};
+  try {
+    read_ahead_ = read_ahead_ || read();
+  } catch (const std::exception& error) {
+    reason_ = fmt::format("camera: {}", error.what());
+  }
+  if (read_ahead_) return frame_.captured_at;
+  failed_.store(true, std::memory_order_release);
+  return {};
+}
+
+bool CameraRig::receive(double now) {
+  if (!std::exchange(read_ahead_, false) && !read()) return false;
+  const double arrived_at = clock_.now();
   frame_.captured_at = live_ ? clock_.from_monotonic(frame_.captured_at) : now;
   const bool stamped = live_ && frame_.arrived_at > 0.0;
-  seen_.times = {frame_.captured_at, stamped ? clock_.from_monotonic(frame_.arrived_at) : now, now, none};
+  seen_.times = {frame_.captured_at, stamped ? clock_.from_monotonic(frame_.arrived_at) : arrived_at, arrived_at, none};
   return true;
 }
 

@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <thread>
@@ -41,6 +42,21 @@ struct FrameTimes {
   double ready_at = none;     ///< its poses are known
 };
 
+/// When a source that has no clock of its own gives a frame on the wall clock: once a period, half a period out of step
+/// with the control thread, as far as a camera without a trigger can be.
+class CameraPace {
+ public:
+  /// `period`: of the ticks [s]
+  CameraPace(const SessionClock& clock, double period)
+      : clock_(clock), period_(period), deadline_(clock.now() + 0.5 * period) {}
+  /// Sleeps until the next frame is due; what is missed is left out.
+  void wait();
+
+ private:
+  const SessionClock& clock_;
+  double period_, deadline_;  // [s]
+};
+
 /// One camera of an experiment with its tracker: frames in, the newest measured pose of each robot out. On the wall
 /// clock it runs on a thread of its own; on the virtual one it takes a frame on request.
 class CameraRig {
@@ -68,11 +84,14 @@ class CameraRig {
   /// show that the camera moved. Control thread only.
   void tell(EventList& events) noexcept;
 
-  /// Wall clock: starts the thread.
-  void start();
+  /// Wall clock: starts the thread; not `alone`: without it, process_frame is called instead.
+  void start(bool alone = true);
   void end();
-  /// Virtual clock: takes and processes one frame now.
-  void process_frame();
+  /// Virtual clock, or not alone: takes and processes one frame; one of a film counts as captured at `now`. [s]
+  void process_frame(double now);
+  /// Films and pictures: the time of the next frame by its own film, which is read unless it has been [s]; none: the
+  /// stream has ended or failed.
+  std::optional<double> next_in_film();
 
   /// Overwrites the measurement of every wanted tag that was seen since, as far as there is room, and returns the
   /// times; false: nothing new. Control thread only.
@@ -113,9 +132,11 @@ class CameraRig {
   void thread(const std::stop_token& stop);
   tl::expected<void, std::string> open_source();
   void await_source(const std::stop_token& stop);
-  bool capture();  // false: the stream has ended or failed, see reason_
+  bool step(double now);     // takes and processes a frame; false: the camera has failed
+  bool capture(double now);  // false: the stream has ended or failed, see reason_
   bool render();
-  bool receive();
+  bool read();
+  bool receive(double now);
   void work_off();
   void judge_frame();
   bool repeats();
@@ -148,6 +169,7 @@ class CameraRig {
   bool pictures_;
 
   vision::Frame frame_;
+  bool read_ahead_ = false;  // the film's next frame is in it
   struct Sight {
     std::vector<core::Measurement> tags;
     FrameTimes times;

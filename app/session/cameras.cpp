@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
+#include "app/run/timing.h"
 #include "app/session/camera_film.h"
 
 namespace skein::app {
@@ -12,12 +14,13 @@ namespace skein::app {
 tl::expected<std::unique_ptr<Cameras>, std::string> Cameras::open(const Experiment& experiment, SessionClock& clock,
                                                                   SimulatedWorld& world, bool pictures,
                                                                   const std::vector<int>& wanted, bool await) {
-  std::unique_ptr<Cameras> cameras(new Cameras(experiment));
+  std::unique_ptr<Cameras> cameras(new Cameras(experiment, clock));
   const auto sights = std::make_shared<LastSights>(experiment.cameras(), experiment.robots.size());
   for (std::size_t k = 0; k < cameras->all_.size(); ++k) {
     auto rig = CameraRig::open(experiment, clock, world, pictures, wanted, await, k, sights);
     if (!rig) return tl::unexpected(rig.error());
     cameras->all_[k].rig = std::move(*rig);
+    cameras->all_[k].film = experiment.cameras() > 1 && experiment.camera_at(k).kind() == CameraKind::recorded;
   }
   return cameras;
 }
@@ -34,15 +37,34 @@ void Cameras::keep_crops(TagCrops* crops) {
 }
 
 void Cameras::start() {
-  for (Each& camera : all_) camera.rig->start();
+  for (Each& camera : all_) camera.rig->start(!camera.film);
+  if (std::none_of(all_.begin(), all_.end(), [](const Each& camera) { return camera.film; })) return;
+  films_ = std::jthread([this](const std::stop_token& stop) {
+    ask_for_priority(camera_priority);  // refused: the control thread's was as well, and says so
+    CameraPace pace(clock_, experiment_.period());
+    while (!stop.stop_requested()) {
+      pace.wait();
+      process_frames();
+    }
+  });
 }
 
 void Cameras::end() {
+  films_.request_stop();
+  if (films_.joinable()) films_.join();
   for (Each& camera : all_) camera.rig->end();
 }
 
 void Cameras::process_frames() {
-  for (Each& camera : all_) camera.rig->process_frame();
+  double moment = std::numeric_limits<double>::infinity();  // by the films' own times
+  for (Each& camera : all_)
+    if (camera.film) moment = std::min(moment, camera.rig->next_in_film().value_or(moment));
+  moment += 0.5 * experiment_.period();
+  const double now = clock_.now();
+  for (Each& camera : all_) {
+    const bool due = camera.film ? camera.rig->next_in_film().value_or(moment) <= moment : !clock_.wall();
+    if (due) camera.rig->process_frame(now);
+  }
 }
 
 CameraRig& Cameras::lead() const noexcept {
@@ -104,6 +126,7 @@ std::function<VideoStatus()> Cameras::end_film() {
 
 vision::SourceStatus Cameras::status() const {
   vision::SourceStatus all = all_.front().rig->camera();
+  std::string down;
   for (std::size_t k = 0; all_.size() > 1 && k < all_.size(); ++k) {
     vision::SourceStatus one = all_[k].rig->camera();
     const std::string prefix = camera_prefix(experiment_, k);
@@ -120,13 +143,14 @@ vision::SourceStatus Cameras::status() const {
     all.passed_over += one.passed_over;
     all.up = all.up && one.up;
     if (all.reason.empty() && !one.reason.empty()) all.reason = prefix + one.reason;
+    if (!one.up) down += (down.empty() ? "" : "; ") + prefix + one.reason;
   }
+  if (!down.empty()) all.reason = std::move(down);  // not that of an outage that is over
   return all;
 }
 
 /// What a camera sees of a tag says more than that another one finds nothing of it.
 std::vector<UnseenTag> Cameras::why_not_seen() {
-  std::string down;
   std::vector<std::pair<std::size_t, UnseenTag>> all;
   for (std::size_t k = 0; k < all_.size(); ++k)
     for (UnseenTag& tag : all_[k].rig->why_not_seen()) all.emplace_back(k, std::move(tag));
@@ -143,9 +167,7 @@ std::vector<UnseenTag> Cameras::why_not_seen() {
   }
   return unseen;
 }
-    if (!one.up) down += (down.empty() ? "" : "; ") + prefix + one.reason;
 
-  if (!down.empty()) all.reason = std::move(down);  // not that of an outage that is over
 std::vector<UnseenTag> Cameras::why_lost() const {
   std::vector<UnseenTag> unseen(experiment_.robots.size());
   for (std::size_t k = 0; k < all_.size(); ++k) {
@@ -199,6 +221,11 @@ void Cameras::watch() {
   }
 }
 
+bool Cameras::partly_down() const {
+  const auto is_lost = [](const Each& camera) { return camera.lost.load(std::memory_order_acquire); };
+  return std::any_of(all_.begin(), all_.end(), is_lost) && !std::all_of(all_.begin(), all_.end(), is_lost);
+}
+
 std::string Cameras::failure() const {
   std::string reasons;
   for (std::size_t k = 0; k < all_.size(); ++k) {
@@ -209,8 +236,3 @@ std::string Cameras::failure() const {
 }
 
 }  // namespace skein::app
-bool Cameras::partly_down() const {
-  const auto is_lost = [](const Each& camera) { return camera.lost.load(std::memory_order_acquire); };
-  return std::any_of(all_.begin(), all_.end(), is_lost) && !std::all_of(all_.begin(), all_.end(), is_lost);
-}
-

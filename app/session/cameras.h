@@ -5,6 +5,7 @@
 #include <mutex>
 #include <span>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <tl/expected.hpp>
@@ -30,7 +31,8 @@ class Cameras {
   void end();
   /// As CameraRig's, of all; null: there is none.
   std::function<VideoStatus()> end_film();
-  /// Virtual clock: each takes and processes a frame now.
+  /// Virtual clock: each takes and processes a frame now. Of films, on any clock, those do whose next frame is of the
+  /// same moment, by their own times.
   void process_frames();
 
   /// Overwrites the newest measurements: those of camera 1 first, as many of each. True if the leading camera has
@@ -59,24 +61,28 @@ class Cameras {
   MarksStatus marks() const;
   /// Notices which of several cameras are lost or back. Not on the control thread; one caller at a time.
   void watch();
-  /// Why there is no camera left; empty: there is one.
-  std::string failure() const;
   /// Some of several cameras are lost, and others are not. Any thread.
   bool partly_down() const;
+  /// Why there is no camera left; empty: there is one.
+  std::string failure() const;
 
  private:
   struct Each {
     std::unique_ptr<CameraRig> rig;
     std::atomic<bool> lost{false};  // written by watch()
     bool told = false;              // the control thread's: what its events say
+    bool film = false;              // or pictures, beside other cameras: without a thread of its own
   };
-  explicit Cameras(const Experiment& experiment) : experiment_(experiment), all_(experiment.cameras()) {}
+  Cameras(const Experiment& experiment, const SessionClock& clock)
+      : experiment_(experiment), clock_(clock), all_(experiment.cameras()) {}
   CameraRig& lead() const noexcept;
 
   const Experiment& experiment_;
+  const SessionClock& clock_;
   std::vector<Each> all_;  // one at least
   std::mutex mutex_;
   std::vector<std::string> alarms_;  // guarded by it
+  std::jthread films_;               // takes the frames of several films
 };
 
 }  // namespace skein::app

@@ -194,7 +194,7 @@ TEST(CameraRig, AFilmThatEndsBeforeAllAreSeenNamesThoseThatItDoesNotShow) {
   ASSERT_TRUE(opened.rig);
   for (int k = 0; k < 21; ++k) {
     opened.clock.set(0.04 * k);
-    opened.rig->process_frame();
+    opened.rig->process_frame(opened.clock.now());
   }
   EXPECT_TRUE(opened.rig->failed());
   EXPECT_EQ(opened.rig->reason(), "images:" + (lab.folder / "film").string() +
@@ -211,7 +211,7 @@ TEST(CameraRig, AFilmThatEndsBeforeItsTagsAreAcceptedSaysWhyTheyAreNot) {
   ASSERT_TRUE(opened.rig);
   for (int k = 0; k < 21; ++k) {
     opened.clock.set(0.04 * k);
-    opened.rig->process_frame();
+    opened.rig->process_frame(opened.clock.now());
   }
   EXPECT_TRUE(opened.rig->reason().ends_with(
       "4 (robot 4); tag 1 is there, but its edge is 40 mm, 33 % smaller than [tags] size 60 mm: correct the size, or "
@@ -302,7 +302,7 @@ TEST(CameraRig, SaysWhyARobotThatWasSeenIsLost) {
   int said_at = 0;
   for (int k = 0; k < frames; ++k) {
     clock.set(0.04 * k);
-    rig->process_frame();
+    rig->process_frame(clock.now());
     EventList list(16);
     rig->tell(list);
     for (const Event& event : list) events.push_back(describe(event)), said_at = k;
@@ -348,7 +348,7 @@ TEST(CameraRig, SaysThatHeightOrSizeOfAllTagsIsWrong) {
     std::vector<std::string> sentences;
     for (int k = 0; k < frames; ++k) {
       clock.set(0.04 * k);
-      (*rig)->process_frame();
+      (*rig)->process_frame(clock.now());
       for (const std::string& sentence : (*rig)->alarms())
         if (sentence.starts_with("the tags look")) sentences.push_back(sentence);
     }
@@ -376,7 +376,7 @@ TEST(CameraRig, CorrectsTheTimeOfCapture) {
   FrameTimes times;
   for (int k = 0; k <= 25; ++k) {
     clock.set(0.04 * k);
-    rig->process_frame();
+    rig->process_frame(clock.now());
     ASSERT_TRUE(rig->newest(seen, times));
     EXPECT_DOUBLE_EQ(times.captured_at, 0.04 * k - 0.04);
     EXPECT_DOUBLE_EQ(times.arrived_at, 0.04 * k);
@@ -404,7 +404,7 @@ TEST(CameraRig, NothingIsCapturedAfterItHasArrived) {
   auto& [clock, world, rig] = opened;
   ASSERT_TRUE(rig);
   clock.set(0.04);
-  rig->process_frame();
+  rig->process_frame(clock.now());
   std::vector<core::Measurement> seen(4);
   FrameTimes times;
   ASSERT_TRUE(rig->newest(seen, times));
