@@ -126,6 +126,26 @@ TEST(CameraFusion, APoseDoesNotJumpWhereCalibrationsDifferButFadesToTheCameraTha
   EXPECT_NEAR(before, 0.11, 1e-3);
 }
 
+/// Who judges how a robot moves must not be told of what the cameras differ by.
+TEST(CameraFusion, WhatItTakesInDoesNotJumpAtASeamThoughWhatCamerasMeasureDoes) {
+  Floor floor;
+  floor.poses[1].x += 0.015;
+  floor.sees[1] = false;
+  floor.frame();
+  floor.sees[1] = true;
+  for (int k = 0; k < 25; ++k) floor.frame();
+  floor.sees[0] = false;
+  const double measured = floor.fusion.believed(0).pose.x, taken = floor.fusion.fused(0).pose.x;
+  for (int k = 0; k < 10; ++k) floor.frame();
+  EXPECT_NEAR(floor.fusion.believed(0).pose.x, 0.115, 1e-9);
+  EXPECT_NEAR(floor.fusion.fused(0).pose.x, taken, 0.006) << "the shift fades within a second";
+  floor.frame();
+  EXPECT_EQ(floor.fusion.fused(0).captured_at, floor.fusion.believed(0).captured_at);
+  EXPECT_GT(std::abs(measured - 0.115) + std::abs(taken - 0.115), 0.01) << "the control: they differ";
+  floor.fusion.forget();
+  EXPECT_FALSE(floor.fusion.fused(0).ever_seen());
+}
+
 /// What is said of two cameras in `seconds`, the second of which sees the robot `apart` from where the first does.
 struct Said {
   Said(Floor& floor, double seconds, const std::function<double(double)>& apart) {
