@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <opencv2/core.hpp>
@@ -13,6 +14,7 @@
 
 #include "vision/media/jpeg.h"
 #include "vision/media/sources.h"
+#include "vision/media/tiff.h"
 
 namespace skein::vision::media {
 namespace {
@@ -36,7 +38,9 @@ bool looks_like_a_picture(const fs::path& path) {
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-  static constexpr std::array known = {".png", ".jpg", ".jpeg", ".pgm", ".ppm", ".pnm", ".bmp", ".tif", ".tiff"};
+  // Those behind .webp are read by few OpenCVs, or none: named, not passed over.
+  static constexpr std::array known = {".png",  ".jpg",  ".jpeg", ".pgm",  ".ppm",  ".pnm", ".pbm", ".bmp", ".tif",
+                                       ".tiff", ".webp", ".heic", ".heif", ".avif", ".jxl", ".gif", ".dng"};
   return std::find(known.begin(), known.end(), extension) != known.end();
 }
 
@@ -47,7 +51,7 @@ class Images final : public FrameSource {
   tl::expected<bool, std::string> read(Frame& frame) override {
     while (next_ < files_.size()) {
       const fs::path& file = files_[next_++];
-      if (const char* problem = load(file, frame)) {
+      if (const std::string problem = load(file, frame); !problem.empty()) {
         skipped_.push_back(fmt::format("{}: {}", file.string(), problem));
         left_out_.fetch_add(1, std::memory_order_relaxed);
         continue;
@@ -69,8 +73,8 @@ class Images final : public FrameSource {
   SourceStatus status() const override { return {.damaged = left_out_.load(std::memory_order_relaxed)}; }
 
  private:
-  /// Null, or what is wrong with the file.
-  const char* load(const fs::path& file, Frame& frame) {
+  /// Empty, or what is wrong with the file.
+  std::string load(const fs::path& file, Frame& frame) {
     std::ifstream in(file, std::ios::binary);
     std::error_code not_known;
     const std::uintmax_t size = fs::file_size(file, not_known);
@@ -81,21 +85,27 @@ class Images final : public FrameSource {
     bytes_.resize(static_cast<std::size_t>(in.gcount()));
     if (bytes_.empty()) return "is empty";
     if (jpeg_breaks_off(bytes_)) return "is cut short";
+    if (std::string problem = prepare_tiff(bytes_); !problem.empty()) return problem;
     try {
       // As the sensor took it, for which a calibration holds: how a camera that looks down was held, it only guesses.
       constexpr int as_taken = cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION;
       decoded_ = cv::imdecode(bytes_, as_taken | cv::IMREAD_ANYDEPTH);
+      if (decoded_.depth() == CV_32F || decoded_.depth() == CV_64F)
+        return "has grey levels that are no whole numbers, allowed: 8 or 16 bits";  // nothing tells which one is white
       if (decoded_.depth() == CV_16U) to_eight_bits(decoded_);
       if (decoded_.depth() != CV_8U) decoded_ = cv::imdecode(bytes_, as_taken);
     } catch (const cv::Exception& problem) {
       return problem.code == cv::Error::StsNoMem ? "needs more memory than there is" : "cannot be decoded";
     }
-    if (decoded_.empty()) return "cannot be decoded";
+    if (decoded_.empty())
+      return cv::haveImageReader(file.string())
+                 ? "cannot be decoded"
+                 : "is of a format that cannot be read, allowed: png, jpg, pgm, ppm, bmp, tif, webp";
     frame.resize(decoded_.cols, decoded_.rows);
     for (int v = 0; v < decoded_.rows; ++v) {
       std::copy(decoded_.ptr(v), decoded_.ptr(v) + decoded_.cols, frame.row(v));
     }
-    return nullptr;
+    return {};
   }
 
   std::vector<fs::path> files_;
@@ -118,10 +128,12 @@ std::unique_ptr<FrameSource> open_images(const std::string& path, std::string& e
       if (entry.is_regular_file(code) && looks_like_a_picture(entry.path())) files.push_back(entry.path());
     }
     if (files.empty()) {
-      error = fmt::format("{}: no picture (png, jpg, pgm, ppm, bmp, tif) in this folder", path);
+      error = fmt::format("{}: no picture (png, jpg, pgm, ppm, bmp, tif, webp) in this folder", path);
       return nullptr;
     }
-    std::sort(files.begin(), files.end());
+    // Cameras count without leading zeros, too: img2 comes before img10.
+    std::sort(files.begin(), files.end(),
+              [](const fs::path& a, const fs::path& b) { return strverscmp(a.c_str(), b.c_str()) < 0; });
   } else if (fs::is_regular_file(path, code)) {
     files.emplace_back(path);
   } else {

@@ -1,6 +1,7 @@
 #include "vision/media/jpeg.h"
 
 #include <algorithm>
+#include <array>
 #include <csetjmp>
 #include <cstddef>
 #include <cstdio>
@@ -42,7 +43,27 @@ void judge(j_common_ptr decoder, int level) {
   judge.state = std::max(judge.state, of_a_camera ? JpegState::padded : JpegState::damaged);
 }
 
+/// Where the first scan starts; the size if there is none. A header may hold a preview with scans of its own.
+std::size_t first_scan(std::span<const std::uint8_t> bytes) {
+  std::size_t at = 2;
+  while (at + 4 <= bytes.size()) {
+    const int marker = bytes[at] == 0xff ? bytes[at + 1] : 0;
+    if (marker == 0xda) return at;
+    const bool segment = marker >= 0xc0 && marker != 0xff && (marker < 0xd0 || marker > 0xd9);
+    at += segment ? 2U + (bytes[at + 2] << 8 | bytes[at + 3]) : 1U;
+  }
+  return bytes.size();
+}
+
 }  // namespace
+
+bool jpeg_breaks_off(std::span<const std::uint8_t> bytes) {
+  if (bytes.size() < 4 || bytes[0] != 0xff || bytes[1] != 0xd8) return false;
+  if (bytes[bytes.size() - 2] == 0xff && bytes.back() == 0xd9) return false;
+  constexpr std::array<std::uint8_t, 2> end{0xff, 0xd9};
+  const auto pixels = bytes.subspan(first_scan(bytes));
+  return std::search(pixels.begin(), pixels.end(), end.begin(), end.end()) == pixels.end();
+}
 
 JpegState decode_jpeg(std::span<const std::uint8_t> bytes, Frame& frame) {
   if (jpeg_breaks_off(bytes)) return JpegState::damaged;

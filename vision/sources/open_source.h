@@ -71,8 +71,8 @@ std::string source_forms();
 std::string camera_forms();
 
 /// Opens "KIND:WHERE":
-///   images:DIR or images:FILE  png, jpg, pgm, ppm, bmp, tif, sorted by name. One that cannot be decoded is passed over
-///                              (see FrameSource::skipped).
+///   images:DIR or images:FILE  png, jpg, pgm, ppm, bmp, tif, webp, sorted by name, img2 before img10. One that cannot
+///                              be decoded is passed over (see FrameSource::skipped).
 ///   video:FILE                 a film; one that Skein recorded gives back capture times and indices to the bit.
 ///                              Damaged frames are passed over.
 ///   v4l2:DEVICE                a camera through the kernel: the newest frame only. One that stops delivering for three

@@ -2,7 +2,10 @@
 
 #include <array>
 #include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "tests/vision/support.h"
 #include "vision/frames/pixels.h"
@@ -34,7 +37,7 @@ TEST(OpenSource, NamesWhatIsMissingOrUnfit) {
     std::string message;
   } cases[] = {
       {"images:/nowhere", "/nowhere: no such file or folder"},
-      {"images:" + folder.path(), folder.path() + ": no picture (png, jpg, pgm, ppm, bmp, tif) in this folder"},
+      {"images:" + folder.path(), folder.path() + ": no picture (png, jpg, pgm, ppm, bmp, tif, webp) in this folder"},
       {"video:/nowhere.mp4", "/nowhere.mp4: no such file"},
       {"images:/dev/zero", "/dev/zero: is a device or a FIFO, allowed: a file or a folder"},
       {"video:/dev/zero", "/dev/zero: is a device or a FIFO, allowed: a file"},
@@ -170,6 +173,134 @@ TEST(Images, TheBitsThatAreUsedCount) {
       EXPECT_EQ(frame.grey, (Frame::Grey{0, 10, 128, 255})) << address << ", " << bits;
     }
   }
+}
+
+/// Appends `value` in as many bytes.
+void put(std::string& bytes, bool little, std::size_t size, std::size_t value) {
+  for (std::size_t k = 0; k < size; ++k) bytes += static_cast<char>(value >> (8 * (little ? k : size - 1 - k)) & 255);
+}
+
+struct Page {
+  int orientation = 1;
+  int kind = 0;  // 1: a preview
+};
+/// 6x4 pixels, the first two of each row black: without compression, with a table for each page.
+std::string tiff_of(bool little, const std::vector<Page>& pages) {
+  constexpr std::size_t width = 6, height = 4, entries = 10;
+  std::string bytes = little ? "II" : "MM";
+  put(bytes, little, 2, 42);
+  put(bytes, little, 4, 8 + width * height);
+  for (std::size_t v = 0; v < height; ++v) bytes += std::string("\0\0", 2) + std::string(width - 2, '\xc8');
+  for (const Page& page : pages) {
+    put(bytes, little, 2, entries);
+    const auto entry = [&](std::size_t tag, int type, std::size_t value) {  // 3: SHORT, 4: LONG
+      put(bytes, little, 2, tag);
+      put(bytes, little, 2, static_cast<std::size_t>(type));
+      put(bytes, little, 4, 1);
+      put(bytes, little, type == 3 ? 2 : 4, value);
+      if (type == 3) put(bytes, little, 2, 0);
+    };
+    entry(254, 4, static_cast<std::size_t>(page.kind));
+    entry(256, 3, width);
+    entry(257, 3, height);
+    entry(258, 3, 8);
+    entry(259, 3, 1);
+    entry(262, 3, 1);
+    entry(273, 4, 8);
+    entry(274, 3, static_cast<std::size_t>(page.orientation));
+    entry(278, 3, height);
+    entry(279, 4, width * height);
+    put(bytes, little, 4, &page == &pages.back() ? 0 : bytes.size() + 4);
+  }
+  return bytes;
+}
+
+/// OpenCV turns a TIFF even if it is told not to: pictures of one camera, as TIFF and as JPEG, were turned differently,
+/// and upside down every pose was wrong in silence.
+TEST(Images, ATiffIsReadAsTheSensorTookIt) {
+  for (const bool little : {true, false})
+    for (int orientation = 1; orientation <= 8; ++orientation) {
+      test::Folder folder;
+      test::write_file(folder.file("a.tif"), tiff_of(little, {{.orientation = orientation}}));
+      ASSERT_EQ(cv::imread(folder.file("a.tif")).cols, orientation < 5 ? 6 : 4) << "viewers turn it";
+      const auto source = open_source("images:" + folder.path());
+      ASSERT_TRUE(source) << source.error();
+      Frame frame;
+      ASSERT_TRUE((*source)->read(frame).value());
+      ASSERT_EQ(std::pair(frame.width, frame.height), std::pair(6, 4)) << orientation;
+      EXPECT_EQ(frame.row(3)[1], 0) << orientation;
+      EXPECT_EQ(frame.row(0)[2], 200) << orientation;
+    }
+}
+
+std::string reason_for_leaving_out(const std::string& file) {
+  const auto source = open_source("images:" + file);
+  EXPECT_TRUE(source) << source.error();
+  for (Frame frame; (*source)->read(frame).value();) {
+  }
+  const auto skipped = (*source)->skipped();
+  return skipped.empty() ? "nothing" : skipped[0].substr(file.size() + 2);
+}
+
+/// Of all pages only the first was read, without a word; it may be a preview.
+TEST(Images, ATiffOfWhichOnlyAPartWouldBeReadIsNamed) {
+  test::Folder folder;
+  const std::string file = folder.file("a.tif");
+  test::write_file(file, tiff_of(true, {{}, {.kind = 1}}));
+  EXPECT_EQ(reason_for_leaving_out(file), "nothing") << "the control: a preview behind the picture";
+  test::write_file(file, tiff_of(true, {{}, {}, {}}));
+  EXPECT_EQ(reason_for_leaving_out(file), "has 3 pages, allowed: one: save each as a file of its own");
+  test::write_file(file, tiff_of(false, {{.kind = 1}, {}}));
+  EXPECT_EQ(reason_for_leaving_out(file),
+            "begins with a preview, which would be read in place of the picture: save it as PNG");
+}
+
+TEST(Images, WhatNoDecoderReadsIsNamed) {
+  test::Folder folder;
+  const std::string formats = "is of a format that cannot be read, allowed: png, jpg, pgm, ppm, bmp, tif, webp";
+  test::write_file(folder.file("a.heic"),
+                   std::string("\0\0\0\x18", 4) + "ftypheic" + std::string(4, '\0') + "mif1heic");
+  EXPECT_EQ(reason_for_leaving_out(folder.file("a.heic")), formats);
+  test::write_pgm(folder.file("b.pgm"), test::uniform_frame(4, 4, 1));
+  const auto source = open_source("images:" + folder.path());
+  ASSERT_TRUE(source) << source.error();
+  for (Frame frame; (*source)->read(frame).value();) {
+  }
+  EXPECT_EQ((*source)->skipped().size(), 1U) << "it is not passed over beside others";
+  // Levels from 0 to 1 were all black.
+  test::write_file(folder.file("c.pfm"), "Pf\n2 1\n-1.0\n" + std::string("\0\0\0\0\0\0\x80\x3f", 8));
+  EXPECT_EQ(reason_for_leaving_out(folder.file("c.pfm")),
+            "has grey levels that are no whole numbers, allowed: 8 or 16 bits");
+}
+
+/// Cameras count without leading zeros, too.
+TEST(Images, TheTenthComesBehindTheSecond) {
+  test::Folder folder;
+  for (const char* name : {"img10.pgm", "img2.pgm", "img1.pgm"})
+    test::write_pgm(folder.file(name), test::uniform_frame(4, 4, 1));
+  const auto source = open_source("images:" + folder.path());
+  ASSERT_TRUE(source) << source.error();
+  std::vector<std::string> names;
+  for (Frame frame; (*source)->read(frame).value();) names.push_back(frame.source);
+  EXPECT_EQ(names, (std::vector<std::string>{"img1.pgm", "img2.pgm", "img10.pgm"}));
+}
+
+/// A phone's picture has a film behind its end ("motion photo"), in which any bytes occur: it was called cut short.
+TEST(Images, AFilmBehindAJpegIsNoDamage) {
+  test::Folder folder;
+  cv::Mat picture(48, 64, CV_8U, cv::Scalar(200.0));
+  std::vector<std::uint8_t> jpeg;
+  ASSERT_TRUE(cv::imencode(".jpg", picture, jpeg));
+  const std::string whole(jpeg.begin(), jpeg.end());
+  const std::string file = folder.file("a.jpg");
+  test::write_file(file, whole + std::string("\0\0\0\x18", 4) + "ftypmp42 \xff\xda film");
+  EXPECT_EQ(reason_for_leaving_out(file), "nothing");
+  // A preview in the header has an end marker of its own.
+  const std::string preview = std::string("\xff\xe1", 2) + std::string("\0\x8", 2) + "\xff\xda..\xff\xd9";
+  test::write_file(file, whole.substr(0, 2) + preview + whole.substr(2));
+  EXPECT_EQ(reason_for_leaving_out(file), "nothing");
+  test::write_file(file, whole.substr(0, 2) + preview + whole.substr(2, whole.size() - 10));
+  EXPECT_EQ(reason_for_leaving_out(file), "is cut short") << "the control";
 }
 
 /// Such a file is left out like any other that is no picture; its bytes were read, and memory ended.
