@@ -102,6 +102,11 @@ bool to_grey(const AVFrame& picture, Greys& greys, Frame& frame) {
   scaler.reset(sws_getCachedContext(scaler.release(), width, height, static_cast<AVPixelFormat>(picture.format), width,
                                     height, AV_PIX_FMT_GRAY8, SWS_POINT, nullptr, nullptr, nullptr));
   if (!scaler) return false;
+  // Otherwise only formats that are always of full range (YUVJ) are taken for it, and the others' black and white end
+  // at 16 and 235.
+  const int* const colours = sws_getCoefficients(SWS_CS_DEFAULT);
+  if (picture.color_range == AVCOL_RANGE_JPEG)
+    sws_setColorspaceDetails(scaler.get(), colours, 1, colours, 1, 0, 1 << 16, 1 << 16);
   std::uint8_t* const rows[4] = {frame.grey.data(), nullptr, nullptr, nullptr};
   const int strides[4] = {width, 0, 0, 0};
   return sws_scale(scaler.get(), picture.data, picture.linesize, 0, height, rows, strides) == height;

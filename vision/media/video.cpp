@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cmath>
+#include <deque>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -20,6 +22,19 @@ namespace {
 constexpr std::int64_t most_pixels = 100'000'000;  // of a frame: more is a damaged file
 constexpr std::size_t most_complaints = 1000;
 constexpr std::int64_t most_held_back = 64;  // pictures, by a decoder
+
+std::string first_bytes(const std::string& path) {
+  std::array<char, 12> first{};
+  std::ifstream(path, std::ios::binary).read(first.data(), first.size());
+  return {first.data(), first.size()};
+}
+
+/// A picture in the container of MP4: FFmpeg reads none of it, or one of its tiles.
+bool is_heif(const std::string& path) {
+  const std::string first = first_bytes(path);
+  const std::string kind = first.substr(4);
+  return kind == "ftypheic" || kind == "ftypheix" || kind == "ftypmif1";
+}
 
 class Video final : public FrameSource {
  public:
@@ -52,6 +67,7 @@ class Video final : public FrameSource {
     result = avcodec_parameters_to_context(codec_.get(), stream_->codecpar);
     codec_->thread_count = 1;  // the same answer every time, and errors are told on this thread
     codec_->max_pixels = most_pixels;
+    codec_->flags |= AV_CODEC_FLAG_UNALIGNED;  // else columns that the film crops on the left stay
     codec_->err_recognition = AV_EF_CRCCHECK | AV_EF_BITSTREAM | AV_EF_BUFFER;
 #ifdef AV_CODEC_FLAG_COPY_OPAQUE
     codec_->flags |= AV_CODEC_FLAG_COPY_OPAQUE;
@@ -64,7 +80,7 @@ class Video final : public FrameSource {
     while ((entry = av_dict_get(file_->metadata, "", entry, AV_DICT_IGNORE_SUFFIX)) != nullptr)
       notes_[entry->key] = entry->value;
     const auto film = notes_.find(film_note);
-    recorded_ = film != notes_.end() && film->second == film_version;
+    recorded_ = film != notes_.end() && film->second == film_version && has_stamps();
     const AVRational rate = av_guess_frame_rate(file_, stream_, nullptr);
     rate_ = rate.num > 0 && rate.den > 0 ? av_q2d(rate) : 0.0;
     what_ = fmt::format("{} {} ({}x{}, {:.3g} frames/s)", recorded_ ? "recording" : "video", path_, codec_->width,
@@ -73,6 +89,13 @@ class Video final : public FrameSource {
     if (const std::string turn = asked_turn(*stream_); !turn.empty())
       remarks_.push_back(fmt::format(
           "{}: asks players to {}; they are read as the sensor took them, for which a calibration holds", path_, turn));
+    constexpr double square = 0.003;  // what `skein calibrate intrinsics` takes fx and fy for equal by
+    const AVRational pixel = av_guess_sample_aspect_ratio(file_, stream_, nullptr);
+    if (pixel.num > 0 && pixel.den > 0 && std::abs(av_q2d(pixel) - 1.0) > square)
+      remarks_.push_back(
+          fmt::format("{}: asks players to stretch its pictures to {:.3g} times their width; they are read as they are "
+                      "stored: only a calibration from films of the same camera and mode holds for them",
+                      path_, av_q2d(pixel)));
     switch (stream_->codecpar->field_order) {
       case AV_FIELD_TT:
       case AV_FIELD_BB:
@@ -135,9 +158,7 @@ class Video final : public FrameSource {
 
   /// FFmpeg takes anything for one that has such a name.
   bool begins_as_mp4() const {
-    std::array<char, 8> first{};
-    std::ifstream(path_, std::ios::binary).read(first.data(), first.size());
-    const std::string_view box(first.data() + 4, 4);
+    const std::string box = first_bytes(path_).substr(4, 4);
     return box == "ftyp" || box == "wide" || box == "mdat";  // MP4, QuickTime
   }
 
@@ -156,13 +177,38 @@ class Video final : public FrameSource {
     }
   }
 
+  /// Other programs that code a recorded film anew keep its notes, but not what it carries beside its frames.
+  bool has_stamps() {
+    constexpr std::size_t looked_at = 25;  // packets: the first ones may be damaged
+    while (ahead_.size() < looked_at && read_packet(*packet_) >= 0) {
+      const bool stamped = stamp_of_packet().has_value();
+      ahead_.emplace_back(av_packet_alloc());
+      if (!ahead_.back()) return false;
+      av_packet_move_ref(ahead_.back().get(), packet_.get());
+      if (stamped) return true;
+    }
+    return false;
+  }
+
+  int read_packet(AVPacket& packet) {
+    const Errors errors;
+    const int read = av_read_frame(file_, &packet);
+    if (read >= 0 && errors.any()) say_of_file(errors.last());
+    return read;
+  }
+
+  int next_packet() {
+    if (ahead_.empty()) return read_packet(*packet_);
+    av_packet_move_ref(packet_.get(), ahead_.front().get());
+    ahead_.pop_front();
+    return 0;
+  }
+
   /// One packet of the film into the decoder, or the news that there are no more; false: it knows that already.
   bool feed() {
     for (;;) {
       av_packet_unref(packet_.get());
-      const Errors errors;
-      const int read = ended_ ? AVERROR_EOF : av_read_frame(file_, packet_.get());
-      if (read >= 0 && errors.any()) say_of_file(errors.last());
+      const int read = ended_ ? AVERROR_EOF : next_packet();
       if (read < 0) {
         if (ended_) return false;
         ended_ = true;
@@ -251,11 +297,14 @@ class Video final : public FrameSource {
 
   /// A picture has the time of the packet that it comes from; a decoder may hold some back.
   void remember_stamp() {
+    if (const auto stamp = stamp_of_packet()) stamps_[packet_->pts] = *stamp;
+  }
+
+  std::optional<Stamp> stamp_of_packet() const {
     std::size_t size = 0;
     const std::uint8_t* data = av_packet_get_side_data(packet_.get(), AV_PKT_DATA_MATROSKA_BLOCKADDITIONAL, &size);
-    if (data == nullptr || size <= 8) return;
-    if (const auto stamp = parse_stamp({reinterpret_cast<const char*>(data) + 8, size - 8}))
-      stamps_[packet_->pts] = *stamp;
+    if (data == nullptr || size <= 8) return {};
+    return parse_stamp({reinterpret_cast<const char*>(data) + 8, size - 8});
   }
 
   /// What is known of the picture's packet; a decoder may hold some back, and gives them in another order.
@@ -337,6 +386,7 @@ class Video final : public FrameSource {
   Codec codec_;
   Picture picture_;
   Packet packet_;
+  std::deque<Packet> ahead_;  // that were looked at when the film was opened
   Greys greys_;
   Frame judged_;  // of a JPEG, read by a decoder that tells what it meets
   FilmNotes notes_;
@@ -374,6 +424,10 @@ std::unique_ptr<FrameSource> open_video(const std::string& path, std::string& er
   }
   if (std::error_code not_known; std::filesystem::file_size(path, not_known) == 0) {
     error = fmt::format("{}: not a readable video: the file is empty", path);
+    return nullptr;
+  }
+  if (is_heif(path)) {
+    error = fmt::format("{}: is a picture (HEIF), not a film: convert it to PNG or JPEG, and give it as images:", path);
     return nullptr;
   }
   auto video = std::make_unique<Video>(path);

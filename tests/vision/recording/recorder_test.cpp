@@ -274,6 +274,35 @@ std::size_t expect_only_whole_frames(const std::string& path, const std::string&
   return whole.size() - left.size();
 }
 
+/// ffmpeg keeps the notes of a film that it codes anew as Matroska, not what is beside the frames: such a film was
+/// taken for a recorded one, and not a single frame of it could be read.
+TEST(Recorder, AFilmThatAnotherProgramCodesAnewIsItsOwn) {
+  test::Folder folder;
+  const std::string path = folder.file("film.mkv");
+  const std::vector<Frame> frames = noisy_frames(3, 19);
+  {
+    auto recorder = Recorder::open(path, {{"CALIBRATION", "of the camera"}});
+    ASSERT_TRUE(recorder) << recorder.error();
+    for (const Frame& frame : frames) (*recorder)->add(frame);
+  }
+  ASSERT_TRUE(open_source("video:" + path).value()->recorded()) << "the control";
+  std::string bytes = test::read_file(path);
+  const std::string beside = "\x75\xa1";  // Matroska's BlockAdditions
+  for (std::size_t at = bytes.find(beside); at != std::string::npos; at = bytes.find(beside, at))
+    bytes[at + 1] = '\xac';
+  test::write_file(path, bytes);
+  const auto film = open_source("video:" + path);
+  ASSERT_TRUE(film) << film.error();
+  EXPECT_FALSE((*film)->recorded());
+  EXPECT_EQ((*film)->notes().at("CALIBRATION"), "of the camera");
+  Frame frame;
+  for (const Frame& written : frames) {
+    ASSERT_TRUE((*film)->read(frame).value());
+    EXPECT_EQ(frame.grey, written.grey);
+  }
+  EXPECT_FALSE((*film)->read(frame).value());
+}
+
 TEST(Recorder, ADamagedFrameOfAForeignFilmIsLeftOut) {
   test::Folder folder;
   std::string bytes = foreign_film(folder.file("film.mkv"), FilmCoding::lossless, noisy_frames(10, 17));

@@ -271,6 +271,11 @@ TEST(Images, WhatNoDecoderReadsIsNamed) {
   test::write_file(folder.file("c.pfm"), "Pf\n2 1\n-1.0\n" + std::string("\0\0\0\0\0\0\x80\x3f", 8));
   EXPECT_EQ(reason_for_leaving_out(folder.file("c.pfm")),
             "has grey levels that are no whole numbers, allowed: 8 or 16 bits");
+  const std::string heif = folder.file("a.heic");
+  const auto film = open_source("video:" + heif);
+  ASSERT_FALSE(film);
+  EXPECT_EQ(film.error(),
+            heif + ": is a picture (HEIF), not a film: convert it to PNG or JPEG, and give it as images:");
 }
 
 /// Cameras count without leading zeros, too.
@@ -301,6 +306,65 @@ TEST(Images, AFilmBehindAJpegIsNoDamage) {
   EXPECT_EQ(reason_for_leaving_out(file), "nothing");
   test::write_file(file, whole.substr(0, 2) + preview + whole.substr(2, whole.size() - 10));
   EXPECT_EQ(reason_for_leaving_out(file), "is cut short") << "the control";
+}
+
+/// Planar: luma from `greys`, no colour. Raw, as FFmpeg's and GStreamer's y4menc write it.
+std::string y4m_of(const std::string& parameters, const std::string& greys) {
+  return "YUV4MPEG2 W4 H2 F25:1 " + parameters + " C444\nFRAME\n" + greys + std::string(2 * greys.size(), '\x80');
+}
+
+/// Black and white ended at 16 and 235 all the same: a bright picture was overexposed.
+TEST(Films, TheirRangeOfGreyLevelsIsTheirOwn) {
+  test::Folder folder;
+  const std::string file = folder.file("a.y4m");
+  const auto greys = [&](const std::string& range) {
+    test::write_file(file, y4m_of(range, std::string("\x8\x10\x7d\xeb\xfc\x80\x80\x80", 8)));
+    const auto source = open_source("video:" + file);
+    EXPECT_TRUE(source) << source.error();
+    Frame frame;
+    EXPECT_TRUE((*source)->read(frame).value());
+    return std::vector<int>(frame.grey.begin(), frame.grey.begin() + 5);
+  };
+  EXPECT_EQ(greys("XCOLORRANGE=LIMITED"), (std::vector{0, 0, 127, 255, 255})) << "the control";
+  EXPECT_EQ(greys("XCOLORRANGE=FULL"), (std::vector{8, 16, 125, 235, 252}));
+}
+
+TEST(Films, PixelsThatAreNotSquareAreNamed) {
+  test::Folder folder;
+  const std::string file = folder.file("a.y4m");
+  const auto remarks = [&](const std::string& shape) {
+    test::write_file(file, y4m_of(shape, std::string(8, '\x80')));
+    const auto source = open_source("video:" + file);
+    EXPECT_TRUE(source) << source.error();
+    return (*source)->status().remarks;
+  };
+  EXPECT_EQ(remarks("A1:1"), std::vector<std::string>()) << "the control";
+  EXPECT_EQ(remarks("A0:0"), std::vector<std::string>()) << "not known";
+  EXPECT_EQ(
+      remarks("A4:3"),
+      std::vector{file + ": asks players to stretch its pictures to 1.33 times their width; they are read as they "
+                         "are stored: only a calibration from films of the same camera and mode holds for them"});
+}
+
+/// H.264 by x264: 64x48 px, of which its header crops 10 columns on the left and 6 on the right; the first 16 are
+/// black. FFmpeg crops on the left only to where it can copy fast, unless told otherwise.
+TEST(Films, AreCroppedAsTheyAsk) {
+  constexpr std::string_view hex =
+      "000000016764000aac7204447cc4f011000003000100000300320f122584600000000168e843810cb22c000001658881001d7ffef781bf32"
+      "cb643faaad85268d00ec95c52650fc6c12b58d458ba10d";
+  std::string bytes;
+  for (std::size_t k = 0; k < hex.size(); k += 2)
+    bytes += static_cast<char>(std::stoi(std::string(hex.substr(k, 2)), nullptr, 16));
+  test::Folder folder;
+  const std::string file = folder.file("a.h264");
+  test::write_file(file, bytes);
+  const auto source = open_source("video:" + file);
+  ASSERT_TRUE(source) << source.error();
+  Frame frame;
+  ASSERT_TRUE((*source)->read(frame).value());
+  ASSERT_EQ(std::pair(frame.width, frame.height), std::pair(48, 48));
+  EXPECT_LT(frame.row(20)[4], 30);
+  EXPECT_GT(frame.row(20)[7], 220);
 }
 
 /// Such a file is left out like any other that is no picture; its bytes were read, and memory ended.
