@@ -299,7 +299,6 @@ struct CameraViewer::Work {
     const std::lock_guard lock(mutex);
     if (!source) return source;
     newest.camera = (*source)->describe();
-    if (!live) newest.notices = (*source)->status().remarks;
     return source;
   }
 
@@ -338,6 +337,7 @@ struct CameraViewer::Work {
       {
         const std::lock_guard lock(mutex);
         rate.add(frame.captured_at, ++read + status.passed_over);
+        if (!live) newest.notices = status.remarks;
       }
       take(frame, stills);
       const std::int64_t before = std::exchange(outages, status.outages);

@@ -101,10 +101,7 @@ class Video final : public FrameSource {
       case AV_FIELD_BB:
       case AV_FIELD_TB:
       case AV_FIELD_BT:
-        remarks_.push_back(fmt::format(
-            "{}: its frames are interlaced: every other row was taken later, and tags that move are measured wrongly. "
-            "Record without, or convert it: ffmpeg -i IN -vf bwdif -c:v ffv1 OUT.mkv",
-            path_));
+        interlaced_ = true;
         break;
       case AV_FIELD_UNKNOWN:
       case AV_FIELD_PROGRESSIVE:
@@ -133,6 +130,11 @@ class Video final : public FrameSource {
   std::span<const std::string> skipped() const override { return skipped_; }
   SourceStatus status() const override {
     SourceStatus status{.damaged = left_out_.load(std::memory_order_relaxed), .remarks = remarks_};
+    if (interlaced_.load(std::memory_order_relaxed))
+      status.remarks.push_back(fmt::format(
+          "{}: its frames are interlaced: every other row was taken later, and tags that move are measured wrongly. "
+          "Record without, or convert it: ffmpeg -i IN -vf bwdif -c:v ffv1 OUT.mkv",
+          path_));
     if (const std::int64_t frames = out_of_order_.load(std::memory_order_relaxed); frames > 0)
       status.notices.push_back(fmt::format(
           "{}: {} frame{} not later than the frame before, by the film's own times: the frames were counted "
@@ -243,6 +245,13 @@ class Video final : public FrameSource {
   std::int64_t number_of_picture() const { return picture_->reordered_opaque; }
 #endif
 
+  // Containers need not say it: DV, capture cards.
+#ifdef AV_FRAME_FLAG_INTERLACED
+  bool is_interlaced() const { return (picture_->flags & AV_FRAME_FLAG_INTERLACED) != 0; }
+#else
+  bool is_interlaced() const { return picture_->interlaced_frame != 0; }
+#endif
+
   /// The packet into the decoder, which works on it at once; false: it cannot.
   bool send() {
     const std::int64_t number = packets_++;
@@ -324,6 +333,7 @@ class Video final : public FrameSource {
   /// Empty, or what is wrong with the picture.
   std::string convert(Frame& frame) {
     const std::int64_t number = pictures_++;
+    if (is_interlaced()) interlaced_.store(true, std::memory_order_relaxed);
     if (std::string damage = doubt(); !damage.empty()) return damage;
     if (width_ == 0) {
       width_ = picture_->width;
@@ -401,6 +411,7 @@ class Video final : public FrameSource {
   std::int64_t pictures_ = 0;             // that the decoder gave
   std::int64_t whole_ = 0;                // that were handed on
   std::atomic<std::int64_t> left_out_ = 0;
+  std::atomic<bool> interlaced_ = false;
   std::atomic<std::int64_t> out_of_order_ = 0;  // whose times are not later than the previous frame's
   int width_ = 0;                               // of the first picture
   int height_ = 0;

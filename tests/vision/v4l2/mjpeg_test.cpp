@@ -10,6 +10,7 @@
 #include <fstream>
 #include <functional>
 #include <random>
+#include <string_view>
 #include <utility>
 
 #include <jpeglib.h>
@@ -295,11 +296,12 @@ std::string element(const std::string& id, const std::string& content) {
 }
 
 /// A film in Matroska whose frames have these times. [ms]
-std::string matroska_of(const Bytes& picture, const std::vector<std::uint16_t>& times, int width, int height) {
+std::string matroska_of(const Bytes& picture, const std::vector<std::uint16_t>& times, int width, int height,
+                        const std::string& codec = "V_MJPEG", const std::string& fields = {}) {
   const auto two = [](int value) { return std::string{static_cast<char>(value >> 8), static_cast<char>(value)}; };
-  const std::string video = element("\xb0", two(width)) + element("\xba", two(height));
+  const std::string video = element("\xb0", two(width)) + element("\xba", two(height)) + fields;
   const std::string track = element("\xd7", "\1") + element("\x73\xc5", "\1") + element("\x83", "\1") +
-                            element("\x86", "V_MJPEG") + element("\xe0", video);
+                            element("\x86", codec) + element("\xe0", video);
   std::string film = element("\x16\x54\xae\x6b", element("\xae", track));
   for (const std::uint16_t time : times)
     film += element("\x1f\x43\xb6\x75",
@@ -377,6 +379,29 @@ TEST(Mjpeg, AnInterlacedFilmSaysSo) {
       path, mp4_of(encode(floor.frame, false), floor.frame.width, floor.frame.height, {1, 0, 0, 1}, /*fields=*/2));
   const auto source = open_source("video:" + path);
   ASSERT_TRUE(source) << source.error();
+  ASSERT_EQ((*source)->status().remarks.size(), 1U);
+  EXPECT_TRUE((*source)->status().remarks[0].starts_with(path + ": its frames are interlaced"));
+}
+
+/// The file calls its frames whole ones, as ffmpeg does if it is not told, or says nothing, as with DV: only the
+/// decoder sees that they are not.
+TEST(Mjpeg, AFilmWhoseDecoderFindsFieldsSaysSo) {
+  constexpr std::string_view mpeg2 =  // 64x48 px, by ffmpeg -flags +ildct+ilme
+      "000001b304003023ffffe018000001b5148200010000000001b80008004000000100000ffff8000001b58ffff30000000001012b2d29488b"
+      "4"
+      "a52911694a5222d294a4440000001022b2d29488b4a52911694a5222d294a4440000001032b2d29488b4a52911694a5222d294a444000000"
+      "1042b2d29488b4a52911694a5222d294a4440";
+  Bytes picture;
+  for (std::size_t k = 0; k < mpeg2.size(); k += 2)
+    picture.push_back(static_cast<std::uint8_t>(std::stoi(std::string(mpeg2.substr(k, 2)), nullptr, 16)));
+  test::Folder folder;
+  const std::string path = folder.file("film.mkv");
+  test::write_file(path, matroska_of(picture, {0}, 64, 48, "V_MPEG2", element("\x9a", "\2")));
+  const auto source = open_source("video:" + path);
+  ASSERT_TRUE(source) << source.error();
+  EXPECT_EQ((*source)->status().remarks, std::vector<std::string>()) << "the control: by the file they are whole";
+  Frame frame;
+  ASSERT_TRUE((*source)->read(frame).value());
   ASSERT_EQ((*source)->status().remarks.size(), 1U);
   EXPECT_TRUE((*source)->status().remarks[0].starts_with(path + ": its frames are interlaced"));
 }
