@@ -126,7 +126,9 @@ TEST(Track, ReportsSkippedPicturesAndNamesThatNeedQuotes) {
   ASSERT_TRUE(summary) << summary.error();
   EXPECT_EQ(summary->frames, 1);
   ASSERT_EQ(summary->skipped.size(), 1U);
-  EXPECT_EQ(summary->skipped[0], folder.file("broken.png") + ": cannot be decoded");
+  EXPECT_EQ(
+      summary->skipped[0],
+      folder.file("broken.png") + ": is of a format that cannot be read, allowed: png, jpg, pgm, ppm, bmp, tif, webp");
   EXPECT_NE(csv.str().find("\n0,\"a, \"\"b\"\".pgm\",0,1,"), std::string::npos) << csv.str();
 }
 
