@@ -80,7 +80,7 @@ class Tables {
 std::string prepare_tiff(std::span<std::uint8_t> bytes) {
   constexpr int kind = 254, bits = 258, orientation = 274, colours = 277, planes = 284;
   constexpr std::uint64_t preview_or_mask = 1 | 4;
-  constexpr int most_tables = 10'000;  // a damaged one may lead back to itself
+  constexpr int most_tables = 1000;  // a damaged one may lead back to itself
   Tables tables(bytes);
   if (!tables.any()) return {};
   tables.set_if_there(orientation, 1);

@@ -182,11 +182,12 @@ void put(std::string& bytes, bool little, std::size_t size, std::size_t value) {
 
 struct Page {
   int orientation = 1;
-  int kind = 0;  // 1: a preview
+  int kind = 0;         // 1: a preview
+  bool planes = false;  // three colours of 16 bits, one behind the other
 };
 /// 6x4 pixels, the first two of each row black: without compression, with a table for each page.
 std::string tiff_of(bool little, const std::vector<Page>& pages) {
-  constexpr std::size_t width = 6, height = 4, entries = 10;
+  constexpr std::size_t width = 6, height = 4, entries = 12;
   std::string bytes = little ? "II" : "MM";
   put(bytes, little, 2, 42);
   put(bytes, little, 4, 8 + width * height);
@@ -203,13 +204,15 @@ std::string tiff_of(bool little, const std::vector<Page>& pages) {
     entry(254, 4, static_cast<std::size_t>(page.kind));
     entry(256, 3, width);
     entry(257, 3, height);
-    entry(258, 3, 8);
+    entry(258, 3, page.planes ? 16 : 8);
     entry(259, 3, 1);
     entry(262, 3, 1);
     entry(273, 4, 8);
     entry(274, 3, static_cast<std::size_t>(page.orientation));
+    entry(277, 3, page.planes ? 3 : 1);
     entry(278, 3, height);
     entry(279, 4, width * height);
+    entry(284, 3, page.planes ? 2 : 1);
     put(bytes, little, 4, &page == &pages.back() ? 0 : bytes.size() + 4);
   }
   return bytes;
@@ -253,6 +256,10 @@ TEST(Images, ATiffOfWhichOnlyAPartWouldBeReadIsNamed) {
   test::write_file(file, tiff_of(false, {{.kind = 1}, {}}));
   EXPECT_EQ(reason_for_leaving_out(file),
             "begins with a preview, which would be read in place of the picture: save it as PNG");
+  test::write_file(file, tiff_of(true, {{.planes = true}}));  // OpenCV mixes them up
+  EXPECT_EQ(
+      reason_for_leaving_out(file),
+      "has its colours of 16 bits in separate planes, which cannot be read: save it as PNG, or its colours together");
 }
 
 TEST(Images, WhatNoDecoderReadsIsNamed) {
