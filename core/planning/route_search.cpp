@@ -31,6 +31,7 @@ RouteSearch::RouteSearch(const Lattice& lattice, std::size_t robots)
       left_(lattice.size() + 2),
       best_((lattice.size() + 2) * headings * intervals_each),
       best_of_(best_.size()),
+      first_((lattice.size() + 2) * intervals_each),
       is_exit_(lattice.size() + 2),
       seen_(lattice.size()) {
   others_.reserve(robots);
@@ -311,6 +312,7 @@ std::size_t RouteSearch::advance(std::size_t budget) noexcept {
     open_.pop_back();
     const Node& n = nodes_[node];
     if (node != 0 && (best_of_[n.state] != search_ || n.g > best_[n.state])) continue;
+    if (node != 0 && lattice_->has_obstacles() && comes_too_late(node)) continue;
     spent += query_.lets_pass ? 4 : 1;
     if (may_end(n.state / intervals_each / headings, n.state % intervals_each)) {
       finish(node);
@@ -352,6 +354,32 @@ void RouteSearch::reach(std::uint32_t parent, std::size_t vertex, std::size_t he
   }
 }
 
+/// In which a robot has come to a vertex. [rad]
+double RouteSearch::heading_at(const Node& node) noexcept {
+  const std::size_t v = node.state / intervals_each / headings, came = node.state / intervals_each % headings;
+  const std::size_t from = nodes_[node.parent].state / intervals_each / headings;
+  if (came < Lattice::directions) return lattice_->edge(from, came).heading;
+  const Lattice::Place here = place(v), before = place(from);
+  return math::atan2(here.y - before.y, here.x - before.x);
+}
+
+/// Whether the robot, had it come to the vertex on the way that was first there, could turn on the spot and drive on
+/// from there no later. It may wait and turn there as long as the interval lasts. While others take turns in a passage,
+/// nearly all ways are such detours.
+bool RouteSearch::comes_too_late(std::uint32_t node) noexcept {
+  const Node& n = nodes_[node];
+  const std::size_t v = n.state / intervals_each / headings;
+  if (v == goal()) return false;
+  First& first = first_[v * intervals_each + n.state % intervals_each];
+  if (first.search != search_) {
+    first = {node, search_};
+    return false;
+  }
+  const Node& before = nodes_[first.node];
+  const double turns = query_.pace.turn_time(wrap_angle(heading_at(n) - heading_at(before)));
+  return n.g > before.g + turns + query_.pace.start_time();
+}
+
 /// Whether a way to a vertex may be the soonest yet in one of its intervals, if it takes no longer than to drive.
 bool RouteSearch::may_be_sooner(const Node& node, std::size_t vertex, std::size_t heading, double drives) noexcept {
   const double may_stay = intervals(node.state / intervals_each / headings)[node.state % intervals_each].end;
@@ -367,17 +395,11 @@ bool RouteSearch::may_be_sooner(const Node& node, std::size_t vertex, std::size_
 
 void RouteSearch::expand(std::uint32_t node) noexcept {
   const Node n = nodes_[node];
-  const std::size_t v = n.state / intervals_each / headings, came = n.state / intervals_each % headings;
+  const std::size_t v = n.state / intervals_each / headings;
   const Lattice::Place here = place(v);
   const double start_time = query_.pace.start_time();
-  double theta = query_.from.theta;
   const bool begins = n.parent == nobody;
-  if (!begins) {
-    const std::size_t from = nodes_[n.parent].state / intervals_each / headings;
-    const Lattice::Place before = place(from);
-    theta = came < Lattice::directions ? lattice_->edge(from, came).heading
-                                       : math::atan2(here.y - before.y, here.x - before.x);
-  }
+  const double theta = begins ? query_.from.theta : heading_at(n);
   double waits = 0.0;  // at the start [s]
   const auto drive = [&](std::size_t to, std::size_t heading, const Lattice::Edge& edge) {
     const double turn = edge.way > 1e-9 ? wrap_angle(edge.heading - theta) : 0.0;

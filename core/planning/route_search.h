@@ -72,6 +72,8 @@ class RouteSearch {
   void expand(std::uint32_t node) noexcept;
   void reach(std::uint32_t parent, std::size_t vertex, std::size_t heading, double ready, double duration) noexcept;
   void finish(std::uint32_t node) noexcept;
+  double heading_at(const Node& node) noexcept;
+  bool comes_too_late(std::uint32_t node) noexcept;
   bool may_be_sooner(const Node& node, std::size_t vertex, std::size_t heading, double drives) noexcept;
   bool direct() noexcept;
   /// When and in which direction a robot has come to a point. [s, rad]
@@ -119,6 +121,10 @@ class RouteSearch {
   std::vector<float> left_;                   // distance from each vertex to the goal [m]
   std::vector<float> best_;                   // arrival at each state
   std::vector<std::uint32_t> best_of_;        // the search that it belongs to
+  struct First {
+    std::uint32_t node, search;
+  };
+  std::vector<First> first_;  // that was expanded at each vertex, in each of its intervals
   std::vector<Node> nodes_;
   std::vector<std::pair<float, std::uint32_t>> open_;
   std::vector<std::uint32_t> exits_;  // vertices that see the goal
