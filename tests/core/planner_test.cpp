@@ -427,6 +427,35 @@ TEST(RouteSearch, SaysWhereThereIsNoWay) {
   EXPECT_FALSE(search.found());
 }
 
+/// Another robot stands in the only door for 20 s. Until then every detour on this side of the wall is as good as to
+/// wait. The control: the door is free.
+TEST(RouteSearch, DoesNotDriveAboutInFrontOfADoorThatIsTaken) {
+  Scene scene;
+  const double half = 0.5 * 0.098 + 0.02;
+  wall(scene, 0.0, -0.75, 0.0, -half);
+  wall(scene, 0.0, half, 0.0, 0.75);
+  Lattice lattice(arena, 0.0435, scene.obstacles.size());
+  lattice.build(scene.obstacles);
+  const auto nodes_of = [&](const core::Traffic& traffic, double& arrival) {
+    core::RouteSearch search(lattice, 2);
+    core::RouteSearch::Query query;
+    query.from = {-0.7, 0.3, 0.0};
+    query.to = {0.7, 0.3, 0.0};
+    search.begin(query, traffic);
+    std::size_t nodes = 0;
+    while (search.searching()) nodes += search.advance(100);
+    EXPECT_TRUE(search.found());
+    arrival = search.arrival();
+    return nodes;
+  };
+  core::Traffic nobody(2), taken(2);
+  taken.stands(1, 0.0, 0.0, 20.0);
+  double at_once = 0.0, later = 0.0;
+  const std::size_t few = nodes_of(nobody, at_once), many = nodes_of(taken, later);
+  EXPECT_LT(later, 20.0 + 0.6 * at_once);
+  EXPECT_LT(many, 10 * few);
+}
+
 /// A long wall to go round: so much of what lies before it seems to be sooner that the nodes of a search do not
 /// suffice.
 TEST(Planner, FindsSomeWayWhereTheNodesDoNotSufficeForTheSoonest) {
