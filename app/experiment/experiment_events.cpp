@@ -107,9 +107,9 @@ std::string wrong_with(const Event& action, const Experiment& e) {
           // No actions: `parse_action` does not read them.
           [](const one_of<Start, Pause, Resume, Stop, Perturb, Kidnap, Schedule, ScheduleTracking, GainHeld,
                           PairGainHeld, Lost, Found, Avoid, Clear, events::Stage, Staged, Deadlock, NoWay, NoProgress,
-                          Outside, DeadlineMissed, VRise, Link, CameraMoved, CamerasDisagree, CamerasDiffer, CameraLost,
-                          CameraFound, events::NotSeen, FilmBroken, Controller, NoNumber, Runaway, Obeys> auto&)
-              -> std::string { return {}; },
+                          Outside, DeadlineMissed, VRise, Link, CameraMoved, PicturesLate, CamerasDisagree,
+                          CamerasDiffer, CameraLost, CameraFound, events::NotSeen, FilmBroken, Controller, NoNumber,
+                          Runaway, Obeys> auto&) -> std::string { return {}; },
       },
       action);
 }

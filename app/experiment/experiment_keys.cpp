@@ -192,7 +192,7 @@ const std::vector<ExperimentKey>& all_keys() {
        "for practice: how much of the picture it repeats then, as a part of its height from below",
        NumberKey{[](E& e) -> auto& { return e.camera.freeze_part; }, [](Limits) { return between(0.01, 1.0); }}},
       {"camera", "stamps_late", "for practice: how late the synthetic camera's time stamps are, which latency corrects",
-       NumberKey{[](E& e) -> auto& { return e.camera.stamps_late; }, [](Limits) { return between(0.0, 0.5, "s"); }}},
+       NumberKey{[](E& e) -> auto& { return e.camera.stamps_late; }, [](Limits) { return between(0.0, 3.0, "s"); }}},
 
       {"tags", "size", "edge of the robots' tags (the black square), in place of the calibration's",
        OptionalNumberKey{[](E& e) -> auto& { return e.tag_size; }, [](Limits) { return between(1e-3, 10.0, "m"); }}},

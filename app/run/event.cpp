@@ -119,6 +119,10 @@ void fields(auto& io, one_of<CamerasDisagree, CamerasDiffer> auto& e) {
   io.named("by", e.by);
 }
 
+void fields(auto& io, one_of<PicturesLate> auto& e) {
+  io.named("by", e.by);
+}
+
 void fields(auto& io, one_of<CameraLost, CameraFound> auto& e) {
   io.number_of('c', e.camera);
 }
@@ -299,9 +303,9 @@ bool is_action(const Event& event) noexcept {
           },
           [](const one_of<Start, Pause, Resume, Stop, Perturb, Kidnap, Schedule, ScheduleTracking, GainHeld,
                           PairGainHeld, Lost, Found, Avoid, Clear, Stage, Staged, Deadlock, NoWay, NoProgress, Outside,
-                          DeadlineMissed, VRise, events::Link, CameraMoved, CamerasDisagree, CamerasDiffer, CameraLost,
-                          CameraFound, events::NotSeen, FilmBroken, events::Controller, NoNumber, Runaway,
-                          Obeys> auto&) { return false; },
+                          DeadlineMissed, VRise, events::Link, CameraMoved, PicturesLate, CamerasDisagree,
+                          CamerasDiffer, CameraLost, CameraFound, events::NotSeen, FilmBroken, events::Controller,
+                          NoNumber, Runaway, Obeys> auto&) { return false; },
       },
       event);
 }

@@ -228,6 +228,11 @@ struct CameraMoved {
   std::size_t marks = 0;  ///< marks that have moved; 0: the robots' tags showed it
   double scale = 0.0;     ///< how much larger the tags look, as a part; 0: they moved
 };
+/// All robots do what they are commanded to so much later than is known: pictures are older than their time stamps say.
+struct PicturesLate {
+  static constexpr std::string_view word = "pictures_late";
+  double by = 0.0;  ///< [s]
+};
 struct CamerasDisagree {  ///< two cameras see a robot at different places: one of them has been moved
   static constexpr std::string_view word = "cameras_disagree";
   std::size_t robot = 0;
@@ -306,7 +311,7 @@ using Event = std::variant<events::Start, events::Pause, events::Resume, events:
                            events::CameraMoved, events::NotSeen, events::FilmBroken, events::NoWay, events::NoProgress,
                            events::Outside, events::Controller, events::NoNumber, events::CamerasDisagree,
                            events::CameraLost, events::CameraFound, events::Runaway, events::Obeys, events::Parameter,
-                           events::ScheduleTracking, events::CamerasDiffer>;
+                           events::ScheduleTracking, events::CamerasDiffer, events::PicturesLate>;
 static_assert(std::is_trivially_copyable_v<Event>, "the tick and its channels copy events without allocating");
 
 /// For std::visit: one function for each alternative. An alternative that is in none of them does not compile.

@@ -37,10 +37,9 @@ std::optional<OperatorCommand> command_of(const Event& event) noexcept {
           },
           [](const one_of<Stop, Perturb, Kidnap, Move, Kick, Schedule, ScheduleTracking, GainHeld, PairGainHeld, Lost,
                           Found, Avoid, Clear, Staged, Deadlock, NoWay, NoProgress, Outside, DeadlineMissed, VRise,
-                          events::Link, CameraMoved, CamerasDisagree, CamerasDiffer, CameraLost, CameraFound,
-                          events::NotSeen, FilmBroken, Controller, NoNumber, Runaway, Obeys> auto&) -> Command {
-            return std::nullopt;
-          },
+                          events::Link, CameraMoved, PicturesLate, CamerasDisagree, CamerasDiffer, CameraLost,
+                          CameraFound, events::NotSeen, FilmBroken, Controller, NoNumber, Runaway, Obeys> auto&)
+              -> Command { return std::nullopt; },
       },
       event);
 }

@@ -176,11 +176,11 @@ void ControlLoop::ask_controller() noexcept {
   input_.controller = controller_->state();
 }
 
-/// If the tick has stopped all robots because of a bumped camera, so do the links.
+/// If the tick has stopped all robots because of a camera's wrong or late poses, so do the links.
 void ControlLoop::heed_camera(const TickRecord& record) noexcept {
   if (record.phase != Phase::stopped || camera_moved_.load(std::memory_order_relaxed)) return;
   for (const Event& event : record.events)
-    if (is<events::CameraMoved, events::CamerasDisagree>(event)) {
+    if (is<events::CameraMoved, events::CamerasDisagree, events::PicturesLate>(event)) {
       motion_ = event;
       camera_moved_.store(true, std::memory_order_release);
       stop();

@@ -92,8 +92,8 @@ class ControlLoop {
   /// How long the control thread's stall lasted that caused a STOP [s]; 0: there was none. Only with real robots: their
   /// links or the guard have stopped them meanwhile, and none drives on by itself afterwards.
   double stood_still() const noexcept { return stood_still_.load(std::memory_order_acquire); }
-  /// The event that showed that a camera was moved, if that stopped all robots: CameraMoved or CamerasDisagree; empty:
-  /// they were not stopped.
+  /// The event that showed that a camera was moved, if that stopped all robots: CameraMoved, CamerasDisagree or
+  /// PicturesLate; empty: they were not stopped.
   std::optional<Event> camera_moved() const noexcept {
     return camera_moved_.load(std::memory_order_acquire) ? std::optional(motion_) : std::nullopt;
   }

@@ -296,6 +296,14 @@ std::string camera_pair_sentence(const Experiment& experiment, const CameraPair&
   return cameras_differ_sentence({pair.robot, pair.first, pair.second, pair.apart});
 }
 
+std::string pictures_late_sentence(const events::PicturesLate& late) {
+  return fmt::format(
+      "robots are seen to do what they are commanded to {:.1f} s later than is known: the camera's pictures are older "
+      "than their time stamps say, or commands are held up: STOP. Nobody knows where robots are now. `skein camera "
+      "latency` measures the delay, for camera.latency (at most 0.5 s)",
+      late.by);
+}
+
 std::string cameras_differ_sentence(const events::CamerasDiffer& differ) {
   return fmt::format(
       "cameras {} and {} see robot {} {:.0f} mm apart, and go on to: poses under one of them are wrong by as much. "

@@ -126,6 +126,8 @@ bool contradict(const Experiment& experiment, const CameraPair& pair);
 /// What is to be said, before a start, of two cameras that see a robot apart.
 std::string camera_pair_sentence(const Experiment& experiment, const CameraPair& pair);
 
+/// Why a run ends after robots drove by pictures that were older than their time stamps say.
+std::string pictures_late_sentence(const events::PicturesLate& late);
 /// Two cameras see a robot apart, and nobody stops for it.
 std::string cameras_differ_sentence(const events::CamerasDiffer& differ);
 

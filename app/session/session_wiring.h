@@ -175,6 +175,7 @@ struct SessionWiring {
     if (const auto* const bumped = std::get_if<events::CameraMoved>(&*moved))
       fail(camera_moved_sentence(experiment, *bumped, "STOP"));
     if (const auto* const differ = std::get_if<events::CamerasDisagree>(&*moved)) fail(camera_stop_sentence(*differ));
+    if (const auto* const late = std::get_if<events::PicturesLate>(&*moved)) fail(pictures_late_sentence(*late));
   }
   /// Of any two, once. Of those that contradict each other the refusal of a start tells, or the reason of the STOP.
   void tell_of_differences(Phase phase) {

@@ -242,6 +242,19 @@ void TickState::watch_cameras(const TickInput& input) noexcept {
   }
 }
 
+/// Robots that drive by pictures that are older than their time stamps say meet where each of them is seen elsewhere.
+void TickState::watch_delay(const TickInput& input) noexcept {
+  if (!has_camera || input.recorded || !moving() || robots() == 0) return;
+  const std::size_t i = compared = (compared + 1) % robots();
+  const core::ObedienceWatch& robot = obedience[i];
+  if (robot.motion() && !record.robots[i].is(lost))
+    delay_watch.see(filters[i], robot.first(), robot.newest(), 0.5 * experiment.robots[i].drive.track);
+  const std::optional<double> late = delay_watch.late();
+  if (!late || std::exchange(told_of_delay, true)) return;
+  note(events::PicturesLate{*late});
+  stop_for_camera();
+}
+
 void TickState::stop_for_camera() noexcept {
   if (experiment.failure.camera_moved == FailureSpec::CameraMoved::go_on) return;
   note(events::Stop{});
@@ -328,6 +341,7 @@ void TickState::estimate(const TickInput& input) noexcept {
   }
   std::copy_n(input.measurements.begin(), record.by_camera.size(), record.by_camera.begin());
   watch_cameras(input);
+  watch_delay(input);
 }
 
 /// The coupling gains of this tick: the file's changes and the operator's, ramped.
@@ -589,9 +603,9 @@ bool may_raise_v(const Event& event) noexcept {
           },
           [](const one_of<Start, Pause, Resume, Stop, PutObstacle, Gain, Schedule, ScheduleTracking, GainHeld, PairGain,
                           PairGainHeld, Parameter, Couple, Uncouple, Avoid, Clear, events::Stage, Staged, Deadlock,
-                          NoWay, NoProgress, Outside, DeadlineMissed, VRise, events::Link, CameraMoved, CamerasDisagree,
-                          CamerasDiffer, CameraLost, CameraFound, events::NotSeen, FilmBroken, events::Controller,
-                          NoNumber> auto&) { return false; },
+                          NoWay, NoProgress, Outside, DeadlineMissed, VRise, events::Link, CameraMoved, PicturesLate,
+                          CamerasDisagree, CamerasDiffer, CameraLost, CameraFound, events::NotSeen, FilmBroken,
+                          events::Controller, NoNumber> auto&) { return false; },
       },
       event);
 }

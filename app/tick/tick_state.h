@@ -19,6 +19,7 @@
 #include "core/estimation/pose_filter.h"
 #include "core/planning/formation_clock.h"
 #include "core/planning/planner.h"
+#include "core/safety/delay_watch.h"
 #include "core/safety/obedience_watch.h"
 #include "core/safety/progress_watch.h"
 
@@ -91,6 +92,9 @@ struct TickMemory {
   std::vector<DrivenWheels> wheels;
   std::vector<double> acts_at;  // from when on the newest commands act; none: nobody is driven [s]
   std::vector<core::ObedienceWatch> obedience;
+  core::DelayWatch delay_watch;
+  std::size_t compared = 0;  // the robot whose motion it has seen last
+  bool told_of_delay = false;
 
   // What lasts for one tick.
   std::vector<Eigen::Matrix3d> covariance;
@@ -128,10 +132,13 @@ struct TickState : TickSetup, TickMemory {
     for (core::ObedienceWatch& of_robot : obedience) of_robot.forget();
     for (DrivenWheels& of_robot : wheels) of_robot.left.expected.forget(), of_robot.right.expected.forget();
     fusion.forget();
+    delay_watch.forget();
+    told_of_delay = false;
     std::fill_n(shield_touched.get(), robots(), false);
   }
   void accept_measurements(std::size_t i, const TickInput& input) noexcept;
   void watch_cameras(const TickInput& input) noexcept;
+  void watch_delay(const TickInput& input) noexcept;
   void stop_for_camera() noexcept;
   void estimate(const TickInput& input) noexcept;
   void schedule_gains() noexcept;

@@ -82,7 +82,7 @@ Severity severity(const app::Event& event) {
   using app::one_of;
   return std::visit(
       app::Overloaded{
-          [](const one_of<Stop, Lost, Outside, Runaway, CameraMoved, CamerasDisagree, CameraLost> auto&) {
+          [](const one_of<Stop, Lost, Outside, Runaway, CameraMoved, PicturesLate, CamerasDisagree, CameraLost> auto&) {
             return Severity::alarm;
           },
           [](const one_of<DeadlineMissed, Kidnap, Hold, GainHeld, PairGainHeld, VRise, app::events::Link,

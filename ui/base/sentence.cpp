@@ -121,6 +121,12 @@ QString sentence(const app::Event& event) {
                                       .arg(e.tags))
                 .arg(1000.0 * e.by, 0, 'f', 0);
           },
+          [&](const PicturesLate& e) {
+            return tr("Robots are seen to do what they are commanded to %1 s later than is known: the camera's "
+                      "pictures "
+                      "are older than their time stamps say. Nobody knows where robots are now")
+                .arg(e.by, 0, 'f', 1);
+          },
           [&](const CamerasDisagree& e) {
             return tr("Cameras %1 and %2 see robot %3 %4 mm apart: one of them has moved. Poses are wrong until it is "
                       "calibrated again")

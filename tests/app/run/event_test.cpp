@@ -49,6 +49,7 @@ const std::vector<std::pair<Event, std::string>> all{
     {events::CameraMoved{1, 0, 0.037, -0.02, 5}, "camera_moved c2 tags=0 by=0.037 turn=-0.02 marks=5"},
     {events::CamerasDisagree{2, 1, 0, 0.045}, "cameras_disagree r3 c2 c1 by=0.045"},
     {events::CamerasDiffer{2, 1, 0, 0.008}, "cameras_differ r3 c2 c1 by=0.008"},
+    {events::PicturesLate{1.1}, "pictures_late by=1.1"},
     {events::CameraLost{1}, "camera_lost c2"},
     {events::CameraFound{0}, "camera_found c1"},
     {events::NotSeen{2, core::NotSeen::lifted}, "not_seen r3 lifted"},

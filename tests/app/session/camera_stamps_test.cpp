@@ -9,6 +9,7 @@
 #include "app/session/session.h"
 #include "tests/app/experiment_texts.h"
 #include "tests/app/folder.h"
+#include "tests/app/session/expect_stop.h"
 #include "tests/app/session/rendered_platoon.h"
 #include "vision/synthetic/synthetic_camera.h"
 
@@ -41,6 +42,30 @@ TEST(CameraStamps, ThatAreLaterThanTheArrivalAreTold) {
   EXPECT_EQ(run.end, Phase::finished);
   EXPECT_FALSE(run.down);
   EXPECT_THAT(run.told, ElementsAre(HasSubstr("its time stamps are 50 ms later than the arrival of their frames")));
+}
+
+/// Pictures that come through a network or another program, which stamps them anew.
+TEST(CameraStamps, ThatAreLateStopTheRobotsAndTheOperatorIsToldByHowMuch) {
+  const RenderedPlatoon run(10.0, {"camera.stamps_late=1"});
+  EXPECT_EQ(run.end, Phase::stopped);
+  EXPECT_EQ(run.sink.count<events::PicturesLate>(), 1);
+  EXPECT_THAT(run.failure, HasSubstr("what they are commanded to 1.0 s later than is known"));
+  ASSERT_FALSE(run.sink.rows.empty());
+  const TickRecord& last = run.sink.rows.back();
+  test::expect_stop(last);
+  EXPECT_LT(last.now, 3.0);
+}
+
+TEST(CameraStamps, ThatAreLateAreToldWhereTheFileLetsRobotsDrive) {
+  const RenderedPlatoon run(10.0, {"camera.stamps_late=1", "failure.camera_moved=go_on"});
+  EXPECT_EQ(run.end, Phase::finished);
+  EXPECT_EQ(run.sink.count<events::PicturesLate>(), 1);
+}
+
+TEST(CameraStamps, ThatAreLateByWhatTheFileSaysStopNobody) {
+  const RenderedPlatoon run(10.0, {"camera.stamps_late=0.4", "camera.latency=0.4", "estimation.bridge=0.6"});
+  EXPECT_EQ(run.end, Phase::finished);
+  EXPECT_EQ(run.sink.count<events::PicturesLate>(), 0);
 }
 
 void write_pgm(const vision::Frame& frame, const std::string& path) {

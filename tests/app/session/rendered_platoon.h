@@ -29,12 +29,14 @@ struct RenderedPlatoon {
     listen();
     outages = (*session)->camera().outages;
     (*session)->close();
+    failure = (*session)->failure().value_or("");
   }
   Rows sink;
   app::Phase end = app::Phase::ready;
   std::vector<std::string> told;
   bool down = false;  // the camera, at any time
   std::int64_t outages = 0;
+  std::string failure;
 };
 
 }  // namespace skein::test
