@@ -92,6 +92,7 @@ TickSetup::TickSetup(const Experiment& e)
       ends(ends_of(*reference, e.duration)),
       shield_parameters(shield_of(e)),
       has_camera(e.camera.kind() != CameraKind::absent),
+      sees_commands(has_camera && e.camera.kind() != CameraKind::recorded),
       cameras(e.cameras()),
       beyond(sizes_beyond(e)) {
   for (std::size_t i = 0; i < e.robots.size(); ++i) {
@@ -244,7 +245,7 @@ void TickState::watch_cameras(const TickInput& input) noexcept {
 
 /// Robots that drive by pictures that are older than their time stamps say meet where each of them is seen elsewhere.
 void TickState::watch_delay(const TickInput& input) noexcept {
-  if (!has_camera || input.recorded || !moving() || robots() == 0) return;
+  if (!sees_commands || input.recorded || !moving() || robots() == 0) return;
   const std::size_t i = compared = (compared + 1) % robots();
   const core::ObedienceWatch& robot = obedience[i];
   if (robot.motion() && !record.robots[i].is(lost))

@@ -36,6 +36,7 @@ struct TickSetup {
   const std::vector<std::optional<core::Pose>> ends;  // of places that come to rest
   const core::ShieldParameters shield_parameters;     // with the arena's edge
   const bool has_camera;
+  const bool sees_commands;   // the camera, at work: a film shows what robots did then
   const std::size_t cameras;  // whose measurements are fused: 1 without any
   std::vector<core::CommandLimits> limits;
   const std::vector<double> beyond;  // bodies, against standard ones [m]
