@@ -208,7 +208,7 @@ const std::vector<ExperimentKey>& all_keys() {
 
       {"failure", "link_lost", "what the group does when a robot's link is lost",
        choice<[](E& e) -> auto& { return e.failure.link_lost; }>()},
-      {"failure", "camera_moved", "what the group does when the camera was bumped",
+      {"failure", "camera_moved", "what the group does when the camera was bumped, or its pictures are late",
        choice<[](E& e) -> auto& { return e.failure.camera_moved; }>()},
       {"failure", "runaway", "what the group does when a robot does not drive as commanded",
        choice<[](E& e) -> auto& { return e.failure.runaway; }>()},

@@ -228,7 +228,7 @@ struct CameraMoved {
   std::size_t marks = 0;  ///< marks that have moved; 0: the robots' tags showed it
   double scale = 0.0;     ///< how much larger the tags look, as a part; 0: they moved
 };
-/// All robots do what they are commanded to so much later than is known: pictures are older than their time stamps say.
+/// Robots obey so much later than the known delays explain: pictures are older than their time stamps say.
 struct PicturesLate {
   static constexpr std::string_view word = "pictures_late";
   double by = 0.0;  ///< [s]

@@ -245,13 +245,14 @@ void TickState::watch_cameras(const TickInput& input) noexcept {
 
 /// Robots that drive by pictures that are older than their time stamps say meet where each of them is seen elsewhere.
 void TickState::watch_delay(const TickInput& input) noexcept {
-  if (!sees_commands || input.recorded || !moving() || robots() == 0) return;
+  if (!sees_commands || input.recorded || told_of_delay || !moving()) return;
   const std::size_t i = compared = (compared + 1) % robots();
   const core::ObedienceWatch& robot = obedience[i];
   if (robot.motion() && !record.robots[i].is(lost))
-    delay_watch.see(filters[i], robot.first(), robot.newest(), 0.5 * experiment.robots[i].drive.track);
+    delay_watch.see(filters[i], robot.first_sight(), robot.newest_sight(), 0.5 * experiment.robots[i].drive.track);
   const std::optional<double> late = delay_watch.late();
-  if (!late || std::exchange(told_of_delay, true)) return;
+  if (!late) return;
+  told_of_delay = true;
   note(events::PicturesLate{*late});
   stop_for_camera();
 }

@@ -25,7 +25,7 @@ bool ObedienceWatch::see(const Robot& robot, const PoseFilter& filter, const Mea
   stuck_ = false;
   motion_.reset();
   if (robot.lost || count_ < frames) return false;
-  const Measurement& first = this->first();
+  const Measurement& first = first_sight();
   const double seconds = newest.captured_at - first.captured_at;
   if (!(seconds > 0.0 && seconds < longest)) return false;
   const double turned = wrap_angle(newest.pose.theta - first.pose.theta);
@@ -43,7 +43,7 @@ bool ObedienceWatch::see(const Robot& robot, const PoseFilter& filter, const Mea
 /// Adds a sight; false: it is not new. A jump is a move by hand, and begins anew: robots may be moved by hand while
 /// none drives.
 bool ObedienceWatch::add(const Robot& robot, const PoseFilter& filter, const Measurement& newest) noexcept {
-  const Measurement& before = this->newest();
+  const Measurement& before = newest_sight();
   if (count_ > 0 && !(before.captured_at < newest.captured_at)) return false;
   if (count_ > 0) {
     const Pose expected = filter.predict(before, newest.captured_at);

@@ -36,8 +36,8 @@ class ObedienceWatch {
   /// Its motion by its first and its newest sight within a fifth of a second; nullopt: it was not seen often enough.
   const std::optional<Twist>& motion() const noexcept { return motion_; }
   /// These two sights, if there is a motion.
-  const Measurement& first() const noexcept { return seen_[count_ % frames]; }
-  const Measurement& newest() const noexcept { return seen_[(count_ + frames - 1) % frames]; }
+  const Measurement& first_sight() const noexcept { return seen_[count_ % frames]; }
+  const Measurement& newest_sight() const noexcept { return seen_[(count_ + frames - 1) % frames]; }
 
   /// It is known to be moved by hand until this time. [s]
   void excuse(double until) noexcept { excused_until_ = until; }

@@ -72,7 +72,7 @@ std::optional<Known> watched(std::vector<Late>& robots, double seconds) {
   for (std::size_t k = 0; now < seconds; ++k, now += dt) {
     for (Late& robot : robots) robot.tick(now);
     const Late& one = robots[k % robots.size()];
-    if (one.watch.motion()) watch.see(one.filter, one.watch.first(), one.watch.newest(), to_wheel);
+    if (one.watch.motion()) watch.see(one.filter, one.watch.first_sight(), one.watch.newest_sight(), to_wheel);
     if (const auto late = watch.late()) return Known{now, *late};
   }
   return std::nullopt;

@@ -122,9 +122,8 @@ QString sentence(const app::Event& event) {
                 .arg(1000.0 * e.by, 0, 'f', 0);
           },
           [&](const PicturesLate& e) {
-            return tr("Robots are seen to do what they are commanded to %1 s later than is known: the camera's "
-                      "pictures "
-                      "are older than their time stamps say. Nobody knows where robots are now")
+            return tr("The camera shows robots that obey their commands %1 s later than the known delays explain: its "
+                      "pictures are older than their time stamps say. It is not known where the robots are")
                 .arg(e.by, 0, 'f', 1);
           },
           [&](const CamerasDisagree& e) {

@@ -49,7 +49,7 @@ TEST(CameraStamps, ThatAreLateStopTheRobotsAndTheOperatorIsToldByHowMuch) {
   const RenderedPlatoon run(10.0, {"camera.stamps_late=1"});
   EXPECT_EQ(run.end, Phase::stopped);
   EXPECT_EQ(run.sink.count<events::PicturesLate>(), 1);
-  EXPECT_THAT(run.failure, HasSubstr("what they are commanded to 1.0 s later than is known"));
+  EXPECT_THAT(run.failure, HasSubstr("obey their commands 1.0 s later than the known delays explain: STOP"));
   ASSERT_FALSE(run.sink.rows.empty());
   const TickRecord& last = run.sink.rows.back();
   test::expect_stop(last);
