@@ -258,9 +258,10 @@ std::optional<double> CameraRig::next_in_film() {
   return {};
 }
 
+/// A film's frames are there when they are due, however late a busy machine works them off.
 bool CameraRig::receive(double now) {
   if (!std::exchange(read_ahead_, false) && !read()) return false;
-  const double arrived_at = clock_.now();
+  const double arrived_at = live_ ? clock_.now() : now;
   frame_.captured_at = live_ ? clock_.from_monotonic(frame_.captured_at) : now;
   const bool stamped = live_ && frame_.arrived_at > 0.0;
   seen_.times = {frame_.captured_at, stamped ? clock_.from_monotonic(frame_.arrived_at) : arrived_at, arrived_at, none};

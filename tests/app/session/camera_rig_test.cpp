@@ -396,6 +396,19 @@ TEST(CameraRig, CorrectsTheTimeOfCapture) {
   EXPECT_NEAR(truth[0].y, 0.5, 1e-9);
 }
 
+/// Whoever waits for a film is a busy machine, not a camera whose pictures take a second.
+TEST(CameraRig, AFilmsFramesAreNotOldWhenTheyAreWorkedOffLate) {
+  Lab lab;
+  const Experiment experiment = lab.experiment("cal.toml");
+  OpenRig opened(experiment, false);
+  ASSERT_TRUE(opened.rig);
+  for (int k = 0; k < 4; ++k) {
+    opened.clock.set(1.0 + k);
+    opened.rig->process_frame(opened.clock.now() - 0.9);
+    EXPECT_TRUE(opened.rig->camera().up) << opened.rig->camera().reason;
+  }
+}
+
 TEST(CameraRig, NothingIsCapturedAfterItHasArrived) {
   const auto experiment = parse_experiment(paper_experiment().source, "platoon.toml",
                                            std::vector<std::string>{"camera.source=synthetic", "camera.latency=-0.1"});
