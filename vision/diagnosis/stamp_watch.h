@@ -12,7 +12,8 @@ namespace skein::vision {
 /// would stand for no reason that anybody could see. Times are those of one clock [s]; for one thread.
 class StampWatch {
  public:
-  /// It counts as a fault when no stamp has been well for longer than this. [s]
+  /// It counts as a fault when no stamp has been well for longer than this, and not by a single frame: after a pause of
+  /// the machine the first one is what the camera's buffers kept. [s]
   static constexpr double patience = 0.25;
 
   /// `oldest`: poses that are older stop their robots. [s]
@@ -30,6 +31,7 @@ class StampWatch {
   double oldest_;
   std::optional<double> newest_;   // of all stamps
   std::optional<double> well_at_;  // when the last good one arrived
+  bool well_ = true;               // the last one was
   std::string fault_;
   LastingFault ahead_;
 };

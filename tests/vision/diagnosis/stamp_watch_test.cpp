@@ -83,5 +83,28 @@ TEST(StampWatch, SingleLateFramesAreNoMatter) {
   EXPECT_EQ(camera.changes, 0);
 }
 
+/// A machine that stood still for a moment finds what the camera's buffers kept from before.
+TEST(StampWatch, AnOldFrameAfterAPauseIsNoMatter) {
+  StampedCamera camera;
+  for (int k = 0; k < 20; ++k) {
+    camera.frames(5);
+    camera.t += 0.5;
+    camera.frames(1, 0.35);
+  }
+  EXPECT_EQ(camera.changes, 0) << camera.watch.fault();
+}
+
+/// It is no pause if the next one is as old.
+TEST(StampWatch, KnowsOldFramesOfASlowCamera) {
+  StampedCamera camera;
+  camera.frames(5);
+  for (int k = 0; k < 2; ++k) {
+    EXPECT_THAT(camera.watch.fault(), IsEmpty());
+    camera.t += 0.5;
+    camera.frames(1, 0.35);
+  }
+  EXPECT_THAT(camera.watch.fault(), HasSubstr("0.36 s old when they arrive"));
+}
+
 }  // namespace
 }  // namespace skein::vision
