@@ -300,7 +300,7 @@ void CameraRig::answer_question() {
 }
 
 std::vector<UnseenTag> CameraRig::why_not_seen() {
-  constexpr auto patience = std::chrono::seconds(1);
+  constexpr auto patience = std::chrono::seconds(5);  // the run ends in any case, and a busy machine takes seconds
   std::unique_lock lock(question_mutex_);
   asked_ = true;
   if (!answered_.wait_for(lock, patience, [this] { return !asked_; })) {

@@ -8,8 +8,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <future>
 #include <string>
 #include <thread>
 #include <vector>
@@ -394,6 +396,20 @@ TEST(CameraRig, CorrectsTheTimeOfCapture) {
   world.advance(1.1);
   world.poses_at(1.05, truth);
   EXPECT_NEAR(truth[0].y, 0.5, 1e-9);
+}
+
+/// A run that ends for want of a tag has the time.
+TEST(CameraRig, ThePictureThatTellsWhyMayTakeABusyMachineSeconds) {
+  const Lab lab;
+  const Experiment experiment = lab.experiment("cal.toml");
+  OpenRig opened(experiment, true);
+  auto& [clock, world, rig] = opened;
+  ASSERT_TRUE(rig);
+  auto why = std::async(std::launch::async, [&rig = rig] { return rig->why_not_seen(); });
+  EXPECT_EQ(why.wait_for(std::chrono::milliseconds(1500)), std::future_status::timeout) << "no picture has come";
+  do rig->process_frame(clock.now());
+  while (why.wait_for(std::chrono::milliseconds(20)) == std::future_status::timeout);
+  EXPECT_EQ(why.get().size(), 4U);
 }
 
 /// Whoever waits for a film is a busy machine, not a camera whose pictures take a second.
