@@ -135,6 +135,7 @@ std::optional<Looked> look(const FloorRequest& request, bool need_world, int& st
   enter(looked.sight, looked.marks);
   for (const vision::FloorMark& mark : looked.marks)
     if (!mark.seen) complain(fmt::format("{} is not seen", mark.name));
+  if (!looked.sight.why_no_tag.empty()) complain(looked.sight.why_no_tag);
   return looked;
 }
 

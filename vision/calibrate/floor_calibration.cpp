@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "vision/detector/detector.h"
+#include "vision/diagnosis/diagnosis.h"
 #include "vision/frames/frame.h"
 #include "vision/modules/media_loader.h"
 #include "vision/tags/detection.h"
@@ -86,6 +87,7 @@ tl::expected<FloorSight, std::string> look_at_floor(FrameSource& source, const C
     ++sight.frames;
     if (keep_going && !keep_going(sight.frames)) break;
   }
+  if (sums.empty() && sight.frames > 0) sight.why_no_tag = why_no_tag(frame);
   for (const auto& [tag, sum] : sums) {
     if (2 * sum.count < sight.frames) continue;  // a flicker of the floor's texture
     sight.ids.push_back(tag);

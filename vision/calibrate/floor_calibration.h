@@ -20,6 +20,7 @@ struct FloorSight {
   int frames = 0;
   std::vector<std::vector<Eigen::Vector2d>> corners;  // of each tag in `ids`: four means [px]
   std::vector<int> ids;
+  std::string why_no_tag{};  // where no tag was found in any frame: see vision::why_no_tag, of the last one
 };
 tl::expected<FloorSight, std::string> look_at_floor(FrameSource& source, const Calibration& calibration, int frames,
                                                     const std::function<bool(int)>& keep_going = {});

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <tuple>
@@ -83,6 +84,20 @@ TEST(FloorCalibration, FindsWhereTheCameraHangs) {
   EXPECT_EQ(check->residuals.size(), 9U);
   EXPECT_LT(check->rms, 0.1e-3);
   EXPECT_EQ(suspect(lab.intrinsics(), lab.marks), nullptr);
+}
+
+TEST(FloorCalibration, SaysWhyNoTagIsSeen) {
+  const Lab lab;
+  Frame frame;
+  SyntheticCamera(lab.truth).render(lab.tags, 0.0, frame);
+  Drawn upright({frame});
+  EXPECT_EQ(look_at_floor(upright, lab.intrinsics(), 1).value().why_no_tag, "") << "the control";
+  for (int v = 0; v < frame.height; ++v)
+    std::reverse(frame.grey.begin() + v * frame.width, frame.grey.begin() + (v + 1) * frame.width);
+  Drawn mirrored({frame});
+  const auto sight = look_at_floor(mirrored, lab.intrinsics(), 1);
+  ASSERT_TRUE(sight) << sight.error();
+  EXPECT_TRUE(sight->why_no_tag.ends_with("are mirrored: switch the camera's mirror off")) << sight->why_no_tag;
 }
 
 TEST(FloorCalibration, NamesTheMarkThatWasMeasuredWrongly) {
