@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/pgm.h"
 #include "tests/places.h"
 #include "vision/frames/frame.h"
 
@@ -56,13 +57,6 @@ class Folder {
 
 inline void write_file(const std::string& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary) << bytes;
-}
-
-/// The simplest picture format there is.
-inline void write_pgm(const std::string& path, const Frame& frame) {
-  std::ofstream out(path, std::ios::binary);
-  out << "P5\n" << frame.width << " " << frame.height << "\n255\n";
-  out.write(reinterpret_cast<const char*>(frame.grey.data()), static_cast<std::streamsize>(frame.grey.size()));
 }
 
 inline Frame uniform_frame(int width, int height, std::uint8_t grey) {

@@ -12,6 +12,7 @@
 #include "app/run/interrupted.h"
 #include "tests/app/folder.h"
 #include "tests/files.h"
+#include "tests/pgm.h"
 #include "vision/synthetic/synthetic_camera.h"
 
 namespace skein::app {
@@ -45,9 +46,7 @@ struct Lab {
     vision::Frame frame;
     vision::SyntheticCamera(vision::tilted(camera, tilt)).render(tags, 0.0, frame);
     std::filesystem::create_directories(folder / name);
-    std::ofstream picture(folder / (name + "/0.pgm"), std::ios::binary);
-    picture << "P5\n" << frame.width << " " << frame.height << "\n255\n";
-    picture.write(reinterpret_cast<const char*>(frame.grey.data()), static_cast<std::streamsize>(frame.grey.size()));
+    skein::test::write_pgm(folder / (name + "/0.pgm"), frame);
     request.source = "images:" + (folder / name);
   }
   std::string run(int (*command)(const FloorRequest&), int expected) {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <optional>
 #include <utility>
 
@@ -15,6 +14,7 @@
 #include "tests/app/experiment_texts.h"
 #include "tests/app/folder.h"
 #include "tests/app/rows.h"
+#include "tests/pgm.h"
 #include "vision/synthetic/synthetic_camera.h"
 
 namespace skein::app {
@@ -77,9 +77,7 @@ struct Filmed {
                       .bare = true});
     vision::Frame frame;
     vision::SyntheticCamera(calibration).render(tags, 0.0, frame);
-    std::ofstream(pictures + "/0.pgm", std::ios::binary) << "P5\n"
-                                                         << frame.width << " " << frame.height << "\n255\n"
-                                                         << std::string(frame.grey.begin(), frame.grey.end());
+    skein::test::write_pgm(pictures + "/0.pgm", frame);
     for (int k = 1; k < 400; ++k)
       std::filesystem::create_hard_link(pictures + "/0.pgm", pictures + "/" + std::to_string(k) + ".pgm");
   }

@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
-#include <fstream>
 #include <future>
 #include <string>
 #include <thread>
@@ -21,6 +20,7 @@
 #include "app/session/session.h"
 #include "tests/app/folder.h"
 #include "tests/eventually.h"
+#include "tests/pgm.h"
 #include "vision/sources/open_source.h"
 #include "vision/synthetic/synthetic_camera.h"
 
@@ -42,11 +42,7 @@ struct Lab {
     vision::Frame frame;
     vision::SyntheticCamera(calibration)
         .render(std::vector<vision::SyntheticTag>{{1, {0.3, -0.2, 0.4}, 0.04}}, 0.0, frame);
-    {
-      std::ofstream picture(folder / "film" / "0.pgm", std::ios::binary);
-      picture << "P5\n" << frame.width << " " << frame.height << "\n255\n";
-      picture.write(reinterpret_cast<const char*>(frame.grey.data()), static_cast<std::streamsize>(frame.grey.size()));
-    }
+    skein::test::write_pgm(folder / "film" / "0.pgm", frame);
     for (int k = 1; k < 500; ++k)  // 20 s
       fs::create_hard_link(folder / "film" / "0.pgm", folder / "film" / (std::to_string(k) + ".pgm"));
   }
@@ -288,9 +284,7 @@ TEST(CameraRig, SaysWhyARobotThatWasSeenIsLost) {
     std::vector<vision::SyntheticDisc> discs;
     if (k >= fine) tags[1].lifted = 0.04, discs.push_back({-0.1, -0.4});
     camera.render(tags, discs, 0.0, frame);
-    std::ofstream picture(film / fmt::format("{:03}.pgm", k), std::ios::binary);
-    picture << "P5\n" << frame.width << " " << frame.height << "\n255\n";
-    picture.write(reinterpret_cast<const char*>(frame.grey.data()), static_cast<std::streamsize>(frame.grey.size()));
+    skein::test::write_pgm(film / fmt::format("{:03}.pgm", k), frame);
   }
   const auto experiment =
       parse_experiment(paper_experiment().source, "platoon.toml",
@@ -332,9 +326,7 @@ TEST(CameraRig, SaysThatHeightOrSizeOfAllTagsIsWrong) {
   constexpr int frames = 90;
   for (int k = 0; k < frames; ++k) {
     camera.render(tags, 0.0, frame);
-    std::ofstream picture(film / fmt::format("{:03}.pgm", k), std::ios::binary);
-    picture << "P5\n" << frame.width << " " << frame.height << "\n255\n";
-    picture.write(reinterpret_cast<const char*>(frame.grey.data()), static_cast<std::streamsize>(frame.grey.size()));
+    skein::test::write_pgm(film / fmt::format("{:03}.pgm", k), frame);
   }
   calibration.tag_height -= 0.03;
   ASSERT_TRUE(save_calibration(calibration, lab.folder / "low.toml"));

@@ -2,7 +2,6 @@
 #include <gmock/gmock.h>
 
 #include <filesystem>
-#include <fstream>
 
 #include "app/calibration/calibration_file.h"
 #include "app/experiment/experiment.h"
@@ -11,6 +10,7 @@
 #include "tests/app/folder.h"
 #include "tests/app/session/expect_stop.h"
 #include "tests/app/session/rendered_platoon.h"
+#include "tests/pgm.h"
 #include "vision/synthetic/synthetic_camera.h"
 
 namespace skein::app {
@@ -68,12 +68,6 @@ TEST(CameraStamps, ThatAreLateByWhatTheFileSaysStopNobody) {
   EXPECT_EQ(run.sink.count<events::PicturesLate>(), 0);
 }
 
-void write_pgm(const vision::Frame& frame, const std::string& path) {
-  std::ofstream(path, std::ios::binary) << "P5\n"
-                                        << frame.width << " " << frame.height << "\n255\n"
-                                        << std::string(frame.grey.begin(), frame.grey.end());
-}
-
 TEST(CameraFrames, OfAnotherSizeAreTheReasonThatIsTold) {
   const test::Folder folder;
   const std::string film = folder / "film", file = folder / "camera.toml";
@@ -90,8 +84,8 @@ TEST(CameraFrames, OfAnotherSizeAreTheReasonThatIsTold) {
   vision::Frame whole, small;
   vision::SyntheticCamera(calibration).render(tags, 0.0, whole);
   small.resize(640, 480);
-  write_pgm(whole, folder / "whole");
-  write_pgm(small, folder / "small");
+  skein::test::write_pgm(folder / "whole", whole);
+  skein::test::write_pgm(folder / "small", small);
   for (int k = 0; k < 50; ++k)
     std::filesystem::create_hard_link(folder / (k < 25 ? "whole" : "small"),
                                       film + "/" + std::to_string(100 + k) + ".pgm");
