@@ -1,6 +1,7 @@
 #include "app/tools/floor_survey.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <array>
 
@@ -13,6 +14,15 @@ namespace skein::app {
 namespace {
 
 constexpr int frames = 25;  // looked at, and averaged
+
+/// What to add where too few marks are seen: why no tag is, or else which are not; empty: all are.
+std::string not_seen(const vision::FloorSight& sight, const std::vector<vision::FloorMark>& marks) {
+  if (!sight.why_no_tag.empty()) return "; " + sight.why_no_tag;
+  std::vector<std::string> names;
+  for (const vision::FloorMark& mark : marks)
+    if (!mark.seen) names.push_back(mark.name);
+  return names.empty() ? "" : fmt::format("; not seen: {}", fmt::join(names, ", "));
+}
 
 }  // namespace
 
@@ -45,7 +55,7 @@ tl::expected<FloorSurvey, std::string> survey_floor(const FloorQuestion& questio
     marks.push_back({.name = fmt::format("tag {}", tag.id), .tag = tag.id, .x = tag.x, .y = tag.y, .z = tag.z});
   vision::enter(*sight, marks);
   auto solved = vision::solve_trusted_floor(*lens, marks);
-  if (!solved) return tl::unexpected(solved.error());
+  if (!solved) return tl::unexpected(solved.error() + not_seen(*sight, marks));
   vision::Calibration* const result = &solved->calibration;
   result->tag_size = question.tag_size;
   result->tag_height = question.tag_height;
