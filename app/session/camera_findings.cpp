@@ -138,7 +138,7 @@ void CameraFindings::watch_absences(const vision::Frame& frame, std::span<const 
   missing_.clear();
   // A robot that was never seen is looked for again and again, since the operator may correct tags, light and camera
   // meanwhile.
-  const bool search = wall_clock_ && !(now < next_search_);
+  const bool search = !(now < next_search_);
   if (search) next_search_ = now + between_searches;
   for (std::size_t i = 0; i < absences_.size(); ++i) {
     const core::Measurement& tag = tags[i];

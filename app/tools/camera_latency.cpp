@@ -251,8 +251,11 @@ tl::expected<LatencyMeasurement, std::string> measure_latency(Plant& plant, Sess
   const core::Measurement& seen = loop.newest()[robot];
   const std::string name = robot_name(experiment, robot);
   for (const double begun = clock.now(); !seen.ever_seen();) {
-    if (clock.now() > begun + camera_opens)
-      return refuse(fmt::format("tag {} of {} is not seen", experiment.robots[robot].tag, name));
+    if (clock.now() > begun + camera_opens) {
+      const std::string why = plant.cameras()->why_lost()[robot].sentence;
+      return refuse(fmt::format("tag {} of {} is not seen{}{}", experiment.robots[robot].tag, name,
+                                why.empty() ? "" : ": ", why));
+    }
     if (const auto ticked = loop.tick(); !ticked) return tl::unexpected(ticked.error());
   }
   if (std::string why = neighbour(loop, experiment, robot); !why.empty()) return refuse(std::move(why));

@@ -127,10 +127,13 @@ void RobotTest::judge_camera(std::size_t robot, const Manoeuvre& left, const Man
       std::find_if(turned.begin(), turned.end(), [&](const Moved* moved) { return moved->tag == expected; });
   if (turned.empty()) {
     result.tag_fault = true;
+    const UnseenTag why = plant_.cameras()->why_lost()[robot];
     result.faults.push_back(
-        seen ? fmt::format(
-                   "its tag {} is seen but does not turn with it: do its wheels turn, or is the tag on another robot?",
-                   expected)
+        !seen && why.tag == expected && !why.sentence.empty() ? "no visible tag turns with it: " + why.sentence
+        : seen
+            ? fmt::format(
+                  "its tag {} is seen but does not turn with it: do its wheels turn, or is the tag on another robot?",
+                  expected)
         : expected < 0
             ? "no visible tag turns with it"
             : fmt::format("no visible tag turns with it: is its tag {} covered, or outside the picture?", expected));

@@ -302,7 +302,7 @@ TEST(CameraLatency, SaysWhatItNeeds) {
       HasSubstr("camera.source is \"video:run.mkv\", which does not show how robot 1 turns now; allowed: a camera"));
   Experiment outside = lab({"rate=10"});  // fewer frames to draw
   outside.robots[0].start = {5.0, 0.0, 0.0};
-  EXPECT_THAT(error(measure(outside)), HasSubstr("tag 1 of robot 1 is not seen"));
+  EXPECT_THAT(error(measure(outside)), HasSubstr("tag 1 of robot 1 is not seen: no tag 1 is in the picture"));
 }
 
 /// Whatever ends it, the robot stands and has acknowledged that (measure() checks).

@@ -120,6 +120,16 @@ TEST(RobotTest, NamesATagThatNobodyKnows) {
   EXPECT_EQ(robot.tag, 311);
 }
 
+/// It guessed that the tag was covered or outside the picture.
+TEST(RobotTest, SaysWhyItsTagIsNotSeen) {
+  const Experiment small = good(two_robots, {"camera.source=synthetic", "rate=10", "tags.size=0.012"});
+  EXPECT_THAT(test(small, small).faults,
+              ElementsAre(HasSubstr("no visible tag turns with it: tag 1 cannot be read: a tag of 12 mm has")));
+  Experiment lab = with_camera();
+  lab.robots[0].start = {-3.0, 0.2, 0.5};
+  EXPECT_THAT(test(lab, lab).faults, ElementsAre("no visible tag turns with it: no tag 1 is in the picture"));
+}
+
 TEST(RobotTest, NamesADiameterThatIsFivePercentOff) {
   Experiment truth = with_camera();
   truth.robots[0].drive.wheel_diameter *= 1.05;
