@@ -115,6 +115,15 @@ std::string RobotTest::whose(int tag) const {
   return {};
 }
 
+/// What a fault adds on a tag that is not seen: the reason; empty: the robot has no tag.
+std::string RobotTest::why_not_seen(std::size_t robot) const {
+  const int expected = believed_.robots[robot].tag;
+  if (expected < 0) return {};
+  const UnseenTag why = plant_.cameras()->why_lost()[robot];
+  if (why.tag == expected && !why.sentence.empty()) return ": " + why.sentence;
+  return fmt::format(": is its tag {} covered, or outside the picture?", expected);
+}
+
 /// Which tag turned with the robot, and what it says of the wheels.
 void RobotTest::judge_camera(std::size_t robot, const Manoeuvre& left, const Manoeuvre& right,
                              RobotTestResult& result) const {
@@ -127,16 +136,11 @@ void RobotTest::judge_camera(std::size_t robot, const Manoeuvre& left, const Man
       std::find_if(turned.begin(), turned.end(), [&](const Moved* moved) { return moved->tag == expected; });
   if (turned.empty()) {
     result.tag_fault = true;
-    const UnseenTag why = plant_.cameras()->why_lost()[robot];
     result.faults.push_back(
-        !seen && why.tag == expected && !why.sentence.empty() ? "no visible tag turns with it: " + why.sentence
-        : seen
-            ? fmt::format(
-                  "its tag {} is seen but does not turn with it: do its wheels turn, or is the tag on another robot?",
-                  expected)
-        : expected < 0
-            ? "no visible tag turns with it"
-            : fmt::format("no visible tag turns with it: is its tag {} covered, or outside the picture?", expected));
+        seen ? fmt::format(
+                   "its tag {} is seen but does not turn with it: do its wheels turn, or is the tag on another robot?",
+                   expected)
+             : "no visible tag turns with it" + why_not_seen(robot));
     return;
   }
   const Moved& with_left = its_own == turned.end() ? *turned.front() : **its_own;

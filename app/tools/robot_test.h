@@ -71,6 +71,7 @@ class RobotTest {
   tl::expected<void, std::string> calibrate(std::size_t robot, RobotTestResult& result);
   bool free_way(int tag, double distance, double radius) const;
   std::string whose(int tag) const;
+  std::string why_not_seen(std::size_t robot) const;
 
   Plant& plant_;
   SessionClock& clock_;
