@@ -378,6 +378,7 @@ void CameraRig::work_off() {
   seen_.times.ready_at = clock_.now();
   sights_.draft() = seen_;
   sights_.publish();
+  frames_.fetch_add(1, std::memory_order_relaxed);
   ready_at_.store(seen_.times.ready_at, std::memory_order_release);
   const std::uint64_t one = 1;
   [[maybe_unused]] const auto written = ::write(ready_, &one, sizeof one);  // full means rung already

@@ -118,6 +118,8 @@ class CameraRig {
   std::vector<std::string> alarms() { return findings_.alarms(); }
   /// Any thread.
   MarksStatus marks() const { return findings_.marks(); }
+  /// Number of frames in which it has looked for robots. Any thread.
+  std::int64_t frames() const noexcept { return frames_.load(std::memory_order_relaxed); }
 
   bool picture(Picture& out);
   std::array<double, 2> pixel(double x, double y) const;
@@ -177,7 +179,8 @@ class CameraRig {
   Sight seen_;  // written by the camera's thread
   Newest<Sight> sights_;
   std::atomic<double> ready_at_{core::Measurement::never};  // of the newest frame
-  int ready_ = -1;                                          // eventfd: signalled for every processed frame
+  std::atomic<std::int64_t> frames_{0};
+  int ready_ = -1;  // eventfd: signalled for every processed frame
   Newest<Picture> picture_;
   struct Question {
     vision::Frame frame;

@@ -205,6 +205,13 @@ MarksStatus Cameras::marks() const {
   return all;
 }
 
+std::int64_t Cameras::fewest_frames() const {
+  std::int64_t fewest = std::numeric_limits<std::int64_t>::max();
+  for (const Each& camera : all_)
+    if (!camera.lost.load(std::memory_order_acquire)) fewest = std::min(fewest, camera.rig->frames());
+  return fewest;
+}
+
 void Cameras::watch() {
   for (std::size_t k = 0; all_.size() > 1 && k < all_.size(); ++k) {
     Each& camera = all_[k];

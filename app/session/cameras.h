@@ -59,6 +59,9 @@ class Cameras {
   /// Of all cameras: `known` if it is for each that is not lost, `moved` of the first one that moved, and the sentences
   /// of all. Any thread.
   MarksStatus marks() const;
+  /// Number of frames in which the camera that has the fewest has looked for robots; of those that are not lost. Any
+  /// thread.
+  std::int64_t fewest_frames() const;
   /// Notices which of several cameras are lost or back. Not on the control thread; one caller at a time.
   void watch();
   /// Some of several cameras are lost, and others are not. Any thread.

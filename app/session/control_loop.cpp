@@ -64,12 +64,14 @@ void ControlLoop::publish_couplings() noexcept {
       if (i != j) pairs_[pair(i, j)].coupled.store(couplings.coupled(i, j), std::memory_order_relaxed);
 }
 
-void ControlLoop::publish_comparisons() noexcept {
+void ControlLoop::publish_comparisons(double now) noexcept {
+  constexpr double open_for = 1.0;  // a robot that is carried off leaves it open [s]
   const std::size_t n = experiment_.cameras();
   for (std::size_t a = 0; a < n; ++a)
     for (std::size_t b = a + 1; b < n; ++b) {
       const core::CameraFusion::Comparison& of = tick_.compared(a, b);
-      compared_[a * n + b].store({static_cast<float>(of.apart), static_cast<std::uint16_t>(of.robot), of.compared},
+      compared_[a * n + b].store({static_cast<float>(of.apart), static_cast<std::uint16_t>(of.robot), of.compared,
+                                  !of.compared && now - of.undecided_at < open_for},
                                  std::memory_order_release);
     }
 }
@@ -80,7 +82,7 @@ std::vector<CameraPair> ControlLoop::camera_pairs() const {
   for (std::size_t a = 0; a < n; ++a)
     for (std::size_t b = a + 1; b < n; ++b) {
       const Compared of = compared_[a * n + b].load(std::memory_order_acquire);
-      pairs.push_back({a, b, of.compared, of.robot, of.apart});
+      pairs.push_back({a, b, of.compared, of.undecided, of.robot, of.apart});
     }
   return pairs;
 }
@@ -134,7 +136,7 @@ void ControlLoop::cycle(double now, int elapsed) {
     }
   }
   publish_couplings();
-  publish_comparisons();
+  publish_comparisons(input.now);
   const auto unseen =
       std::find_if(record.robots.begin(), record.robots.end(), [](const RobotRecord& r) { return r.is(lost); });
   unseen_.store(unseen == record.robots.end() ? -1 : static_cast<int>(unseen - record.robots.begin()),

@@ -115,7 +115,7 @@ class ControlLoop {
   };
   std::size_t pair(std::size_t i, std::size_t j) const noexcept { return i * experiment_.robots.size() + j; }
   void publish_couplings() noexcept;
-  void publish_comparisons() noexcept;
+  void publish_comparisons(double now) noexcept;
   void thread(const std::stop_token& stop);
   double pace(std::chrono::steady_clock::time_point& last, const std::stop_token& stop);
   void count_lateness(double late) noexcept;
@@ -176,7 +176,7 @@ class ControlLoop {
   struct Compared {  // two cameras
     float apart = 0.0F;
     std::uint16_t robot = 0;
-    bool compared = false;
+    bool compared = false, undecided = false;
   };
   static_assert(std::atomic<Compared>::is_always_lock_free);
   std::unique_ptr<std::atomic<Compared>[]> compared_;  // camera a and a later one, b, at a * cameras + b

@@ -16,9 +16,10 @@ constexpr std::size_t channel_capacity =
     500;  // 20 s at 25 Hz: a disk or a window may hang that long before rows are lost
 /// Until marks on the floor that are hidden are seen, and until a busy machine has looked at them at all. [s]
 constexpr double marks_patience = 5.0, look_patience = 60.0;
-/// Until it is known of two cameras that they see a robot apart: both look for it within a second, whatever their
-/// calibrations say, and go on to see it for half a second. [s]
-constexpr double comparison = 2.5;
+/// Until two cameras that see a robot apart both look for it, whatever their calibrations say: 25 frames. Whether they
+/// go on to see it apart takes half a second more, and a slow camera or a busy machine takes longer for both.
+constexpr double comparison = 2.5;  // at least [s]
+constexpr std::int64_t compared_frames = 35;
 constexpr double first_sight_timeout = 10.0;  // a camera needs a second or two to open and to settle its exposure [s]
 
 /// What follows "is not seen".
@@ -237,6 +238,24 @@ Phase Session::run(const std::function<bool()>& keep_on) {
     }
   };
 
+  const auto compare_cameras = [&] {
+    const double began = i.clock.now();
+    const std::int64_t before = i.plant->cameras()->fewest_frames();
+    const auto known = [&] {
+      const std::vector<CameraPair> pairs = i.loop->camera_pairs();
+      return i.plant->cameras()->fewest_frames() - before >= compared_frames &&
+             std::none_of(pairs.begin(), pairs.end(), [](const CameraPair& pair) { return pair.undecided; });
+    };
+    for (; !over() && !i.loop->failed(); turn()) {
+      const double waited = i.clock.now() - began;
+      if (waited >= comparison && known()) return;
+      if (waited < look_patience) continue;
+      i.fail(fmt::format("the cameras' pictures could not be compared within {:g} s: the machine is too busy",
+                         look_patience));
+      return;
+    }
+  };
+
   bool away = false;
   if (i.clock.wall()) {
     // No robot drives blind: every robot has to be seen before the start.
@@ -248,8 +267,7 @@ Phase Session::run(const std::function<bool()>& keep_on) {
                          reasons(i.experiment, why_not_seen())));
       break;
     }
-    const double seen_at = i.clock.now();
-    while (i.experiment.cameras() > 1 && i.clock.now() < seen_at + comparison && !over() && !i.loop->failed()) turn();
+    if (i.experiment.cameras() > 1) compare_cameras();
     away = i.loop->away();
   } else {  // simulated robots stand at their starts, unless the file puts them elsewhere
     away = std::any_of(i.experiment.robots.begin(), i.experiment.robots.end(),

@@ -90,7 +90,10 @@ std::optional<CameraFusion::Disagreement> CameraFusion::compare(std::size_t robo
     if (apart.count++ == 0) apart.since = m.captured_at;
     apart.newest = m.captured_at;
     apart.sum = {apart.sum.x + way.x, apart.sum.y + way.y, 0.0};
-    if (apart.count < enough || apart.newest - apart.since < lasting) continue;
+    if (apart.count < enough || apart.newest - apart.since < lasting) {
+      comparison.undecided_at = m.captured_at;
+      continue;
+    }
     const double distance = math::hypot(apart.sum.x, apart.sum.y) / apart.count;
     const bool told = std::exchange(comparison.told, true);
     comparison = {.compared = true, .robot = robot, .apart = distance, .at = m.captured_at, .told = true};

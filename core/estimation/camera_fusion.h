@@ -51,11 +51,12 @@ class CameraFusion {
   };
   /// What two cameras that see a robot say of each other. A start forgets it with everything else.
   struct Comparison {
-    bool compared = false;           ///< both have seen a robot at once
-    std::size_t robot = 0;           ///< whom they see `apart`
-    double apart = 0.0;              ///< if they go on to see it more than `slight` apart; 0: they do not [m]
-    double at = Measurement::never;  ///< when they last did [s]
-    bool told = false;               ///< as Outcome::difference
+    bool compared = false;                     ///< both have seen a robot at once
+    std::size_t robot = 0;                     ///< whom they see `apart`
+    double apart = 0.0;                        ///< if they go on to see it more than `slight` apart; 0: they do not [m]
+    double at = Measurement::never;            ///< when they last did [s]
+    bool told = false;                         ///< as Outcome::difference
+    double undecided_at = Measurement::never;  ///< when it was last open whether they go on to see one apart [s]
   };
   /// first < second.
   const Comparison& comparison(std::size_t first, std::size_t second) const noexcept {

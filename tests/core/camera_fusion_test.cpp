@@ -205,6 +205,20 @@ TEST(CameraFusion, ADifferenceThatGrowsIsSaidAndThenContradicts) {
   EXPECT_LT(apart(*said.disagreed_at), 0.025);
 }
 
+/// A start waits for it.
+TEST(CameraFusion, SaysThatItIsOpenWhetherTwoCamerasGoOnToSeeARobotApart) {
+  const auto open = [](const Floor& floor) { return floor.now - floor.fusion.comparison(0, 1).undecided_at < 0.1; };
+  Floor floor;
+  Said(floor, 0.2, [](double) { return 0.008; });
+  EXPECT_TRUE(open(floor));
+  Said(floor, 0.6, [](double) { return 0.008; });
+  EXPECT_FALSE(open(floor));
+  EXPECT_GT(floor.fusion.comparison(0, 1).apart, 0.0);
+  Floor agreeing;
+  Said(agreeing, 0.2, [](double) { return 0.0; });
+  EXPECT_FALSE(open(agreeing));
+}
+
 /// What the operator is to know before a start.
 TEST(CameraFusion, SaysAsLongAsTwoCamerasSeeARobotApart) {
   Floor floor;
