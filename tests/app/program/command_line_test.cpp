@@ -27,6 +27,7 @@
 #include "tests/eventually.h"
 #include "tests/files.h"
 #include "tests/places.h"
+#include "tests/stall.h"
 
 extern char** environ;
 
@@ -640,10 +641,13 @@ TEST(CommandLine, RobotsAreTestedWithThePatienceThatTheirRadioNeeds) {
   Program emulator({"emulate", "--directory", folder.path, "--faults", folder / "slow.toml"});
   const std::string robot = folder / "robot1";
   ASSERT_TRUE(skein::test::eventually([&] { return std::filesystem::exists(robot); }, std::chrono::seconds(60)));
-  const Result impatient = skein({"robots", "test", "serial:" + robot, "--reply-timeout", "0.05"});
+  const auto tested = [](const std::vector<std::string>& arguments) {
+    return skein::test::unless_stalled([&] { return skein(arguments); }, [](const Result& r) { return r.err; });
+  };
+  const Result impatient = tested({"robots", "test", "serial:" + robot, "--reply-timeout", "0.05"});
   EXPECT_EQ(impatient.status, 3) << impatient.out;
   EXPECT_TRUE(has(impatient.err, "the left wheel's encoder is silent: 0 steps")) << impatient.err;
-  const Result patient = skein({"robots", "test", "serial:" + robot});
+  const Result patient = tested({"robots", "test", "serial:" + robot});
   EXPECT_EQ(patient.status, 0) << patient.err;
   EXPECT_TRUE(has(patient.out, "faults: 0")) << patient.out;
   emulator.send(SIGTERM);

@@ -17,6 +17,7 @@
 #include "app/tools/robot_setup_work.h"
 #include "comms/emulator/pty_emulator.h"
 #include "tests/app/experiment_texts.h"
+#include "tests/stall.h"
 
 namespace skein::app {
 namespace {
@@ -77,6 +78,18 @@ SetupNews outcome(SetupWork& work) {
     std::move(more.warnings.begin(), more.warnings.end(), std::back_inserter(all.warnings));
   }
   return all;
+}
+
+/// What a test of all robots has found, by the way that `watched` looks at it.
+SetupNews tested(const Experiment& experiment, SetupNews (*watched)(SetupWork&) = outcome) {
+  return skein::test::unless_stalled(
+      [&] {
+        SetupWork work({Kind::test, {}, experiment, all_of(experiment)});
+        return watched(work);
+      },
+      [](const SetupNews& news) {
+        return news.robots.empty() ? std::string() : news.robots.back().second.test_problem;
+      });
 }
 
 TEST(RobotSetup, SaysTheNextStepInTheOrderInWhichStepsAreTaken) {
@@ -208,9 +221,10 @@ TEST(SetupWork, StopStandsTheRobotThatDrivesAndTestsNobodyElse) {
 TEST(SetupWork, NobodyDrivesForAWindowThatHangs) {
   const Lab lab(2);
   const Experiment experiment = lab.experiment();
-  SetupWork work({Kind::test, {}, experiment, all_of(experiment)});
-  ASSERT_TRUE(work.wait(60.0)) << "nobody has looked at it";
-  const SetupNews news = work.news();
+  const SetupNews news = tested(experiment, [](SetupWork& work) {
+    EXPECT_TRUE(work.wait(60.0)) << "nobody has looked at it";
+    return work.news();
+  });
   ASSERT_FALSE(news.robots.empty());
   EXPECT_EQ(news.robots.back().second.test_problem, "stopped");
   EXPECT_FALSE(news.robots.back().second.may_drive);
@@ -221,8 +235,7 @@ TEST(SetupWork, ARobotThatIsNotThereDoesNotKeepTheOthersFromTheirTest) {
   const Lab lab(1);
   Experiment experiment = lab.experiment("/dev/no-such-robot");
   std::swap(experiment.robots[0], experiment.robots[1]);
-  SetupWork work({Kind::test, {}, experiment, all_of(experiment)});
-  const SetupNews news = outcome(work);
+  const SetupNews news = tested(experiment);
   ASSERT_EQ(news.robots.size(), 2u);
   EXPECT_FALSE(news.robots[0].second.answers);
   EXPECT_THAT(news.robots[0].second.silence, HasSubstr("no-such-robot"));

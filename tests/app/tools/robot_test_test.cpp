@@ -22,6 +22,7 @@
 #include "core/kinematics/robot_type.h"
 #include "tests/app/experiment_texts.h"
 #include "tests/seconds.h"
+#include "tests/stall.h"
 
 namespace skein::app {
 namespace {
@@ -217,10 +218,15 @@ TEST(RobotTest, ARobotThatItsLinkStopsHasShownNoWatchdog) {
   robot.link = RobotSpec::Link::device;
   robot.address = anna.address();
   robot.type = core::find_robot_type("epuck2");
-  SessionClock clock(true);
-  auto plant = Plant::open(experiment, clock, {});
-  ASSERT_TRUE(plant) << plant.error();
-  const auto result = RobotTest(**plant, clock, experiment, [] { return true; }).test(0);
+  using Result = tl::expected<RobotTestResult, std::string>;
+  const Result result = skein::test::unless_stalled(
+      [&]() -> Result {
+        SessionClock clock(true);
+        auto plant = Plant::open(experiment, clock, {});
+        if (!plant) return tl::unexpected(plant.error());
+        return RobotTest(**plant, clock, experiment, [] { return true; }).test(0);
+      },
+      [](const Result& r) { return r ? std::string() : r.error(); });
   ASSERT_TRUE(result) << result.error();
   EXPECT_THAT(result->faults, IsEmpty());
   EXPECT_FALSE(result->watchdog) << *result->watchdog;
