@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "vision/detector/family_reader.h"
+#include "vision/diagnosis/cut_tags.h"
 #include "vision/diagnosis/edge_widths.h"
 #include "vision/diagnosis/light_limits.h"
 #include "vision/modules/media_loader.h"
@@ -171,6 +172,27 @@ void look_for_other_families(const std::vector<FamilyTag>& tags, const Calibrati
   }
 }
 
+/// Tags that are not found, because the border of the picture cuts them.
+void look_at_border(const Frame& frame, const Calibration& calibration, std::vector<TagDiagnosis>& answers) {
+  std::vector<TagDiagnosis*> asked;
+  std::vector<int> tags;
+  for (TagDiagnosis& answer : answers) {
+    if (answer.why != NotSeen::not_found) continue;
+    asked.push_back(&answer);
+    tags.push_back(answer.tag);
+  }
+  const auto found = detail::find_cut_tags(frame, calibration, tags);
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (!found[i]) continue;
+    TagDiagnosis& answer = *asked[i];
+    answer.why = NotSeen::at_border;
+    answer.places = {{found[i]->x, found[i]->y}};
+    answer.size = calibration.tag_size;
+    if (const auto at = pixel_from_world(calibration, {found[i]->x, found[i]->y, calibration.tag_height}))
+      answer.crops = {crop_around(*at, answer.edge_px)};
+  }
+}
+
 struct Light {
   double saturated = 0.0;  // share of the pixels
   int brightest = 0;       // 99 % of the pixels are darker or equal
@@ -294,6 +316,7 @@ std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibr
     else if (last && near_border(frame, calibration, *last))
       answer.why = NotSeen::at_border;
   }
+  look_at_border(frame, calibration, answers);
   // Tags of few pixels that are blurred beyond recognition leave few edges that show it: what they showed before does.
   constexpr double width = 2.5;  // of an edge, for each of the blur's standard deviations
   for (std::size_t i = 0; i < answers.size(); ++i) {

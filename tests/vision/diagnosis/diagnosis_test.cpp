@@ -210,6 +210,23 @@ TEST(Diagnosis, TagThatTheBorderCuts) {
   EXPECT_EQ(lab.diagnosis({3, core::Pose{0.0, 0.0, 0.0}}).why, NotSeen::not_found);
 }
 
+TEST(Diagnosis, ATagThatTheBorderCutsIsKnownThoughNobodyHasSeenItBefore) {
+  DiagnosisLab lab;
+  const double bottom = lab.calibration.height - 1.0;
+  const auto at = world_from_pixel(lab.calibration, {400.0, bottom - 4.0}, lab.calibration.tag_height);
+  lab.show({{3, {at->x(), at->y(), 0.4}, 0.06}, {4, {0.2, 0.1, 0.5}, 0.06}});
+  ASSERT_FALSE(lab.tracked());
+  const std::vector<TagDiagnosis> found =
+      diagnose(lab.frame, lab.calibration, std::vector{MissingTag{3, {}}, MissingTag{5, {}}});
+  EXPECT_EQ(sentence(found[0], lab.calibration), "the border of the picture cuts tag 3: move the robot inwards");
+  ASSERT_EQ(found[0].places.size(), 1U);
+  EXPECT_LT((found[0].places[0] - *at).norm(), 0.002);
+  const Frame part = picture_of(lab.frame, found[0]);
+  EXPECT_GT(part.width, 0);
+  EXPECT_LT(part.height, part.width) << "what is left of it";
+  EXPECT_EQ(found[1].why, NotSeen::not_found) << "another one is not there";
+}
+
 TEST(Diagnosis, TooLittleAndTooMuchLight) {
   DiagnosisLab lab;
   lab.show({{3, {0.3, -0.2, 0.4}, 0.06}}, {.noise_sigma = 1.0, .brightness = 0.02});

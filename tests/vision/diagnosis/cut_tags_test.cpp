@@ -1,0 +1,70 @@
+// Tags of which the border of a picture leaves a part, seen never before: which ones they are and where.
+#include "vision/diagnosis/cut_tags.h"
+
+#include <gtest/gtest.h>
+
+#include "vision/synthetic/random.h"
+#include "vision/synthetic/synthetic_camera.h"
+#include "vision/tags/tag_family.h"
+#include "vision/tags/tag_plane.h"
+
+namespace skein::vision::detail {
+namespace {
+
+/// A dozen tags along the border, turned in any way, their middles a third of an edge outside to one inside.
+struct Scene {
+  explicit Scene(unsigned seed) : random(seed) {
+    calibration.tag_size = random.between(0.04, 0.06);
+    const double edge = tag_edge_px(calibration), right = calibration.width - 1.0, bottom = calibration.height - 1.0;
+    for (int i = 0; i < 12; ++i) {
+      const double in = random.between(-0.33, 1.0) * edge,
+                   along = 0.15 + 0.7 * (i / 4 + random.between(0.2, 0.8)) / 3.0;
+      const Eigen::Vector2d at = i % 4 == 0   ? Eigen::Vector2d(in, along * bottom)
+                                 : i % 4 == 1 ? Eigen::Vector2d(along * right, in)
+                                 : i % 4 == 2 ? Eigen::Vector2d(right - in, along * bottom)
+                                              : Eigen::Vector2d(along * right, bottom - in);
+      const auto place = world_from_pixel(calibration, at, calibration.tag_height);
+      EXPECT_TRUE(place);
+      tags.push_back(
+          {static_cast<int>(seed) * 12 + i, {place->x(), place->y(), random.between(-3.1, 3.1)}, calibration.tag_size});
+      inside.push_back(in / edge);
+    }
+    SyntheticCamera(calibration, {.noise_sigma = random.between(1.0, 4.0), .brightness = random.between(0.4, 1.0)},
+                    seed)
+        .render(tags, 0.0, frame);
+  }
+
+  Random random;
+  Calibration calibration = overhead_calibration(2.0, 1.5);
+  Frame frame;
+  std::vector<SyntheticTag> tags;
+  std::vector<double> inside;  // how far the middles are, in edges
+};
+
+TEST(CutTags, AreKnownByABareHalfAndNoneIsTakenForAnother) {
+  int found = 0;
+  for (unsigned seed = 0; seed < 6; ++seed) {
+    const Scene scene(seed);
+    std::vector<int> asked;
+    for (const SyntheticTag& tag : scene.tags) asked.push_back(tag.tag);
+    for (int other = 0; other < 100; ++other) asked.push_back(largest_tag - other);  // which are not there
+    const auto poses = find_cut_tags(scene.frame, scene.calibration, asked);
+    ASSERT_EQ(poses.size(), asked.size());
+    for (std::size_t i = 0; i < scene.tags.size(); ++i) {
+      const core::Pose& at = scene.tags[i].pose;
+      // Deeper inside, where the paper's corner alone may be cut, or nothing is, others find it.
+      if (scene.inside[i] > 0.05 && scene.inside[i] < 0.5) {
+        EXPECT_TRUE(poses[i]) << "seed " << seed << ", tag " << i << ", " << scene.inside[i];
+        ++found;
+      }
+      if (!poses[i]) continue;
+      EXPECT_LT(core::distance(*poses[i], at), 0.002);
+      EXPECT_NEAR(core::wrap_angle(poses[i]->theta - at.theta), 0.0, 0.06);
+    }
+    for (std::size_t i = scene.tags.size(); i < asked.size(); ++i) EXPECT_FALSE(poses[i]) << asked[i];
+  }
+  EXPECT_GT(found, 15) << "else the scenes show nothing";
+}
+
+}  // namespace
+}  // namespace skein::vision::detail

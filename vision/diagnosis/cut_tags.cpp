@@ -1,0 +1,292 @@
+#include "vision/diagnosis/cut_tags.h"
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <numbers>
+#include <utility>
+
+#include "vision/diagnosis/light_limits.h"
+#include "vision/tags/tag_pattern.h"
+#include "vision/tags/tag_plane.h"
+
+namespace skein::vision::detail {
+namespace {
+
+constexpr int side = pattern_cells;
+constexpr std::size_t cells = static_cast<std::size_t>(side) * side;
+constexpr double modules = 8.0;  // of a tag's edge
+constexpr int least_bits = 18;
+constexpr double least_likeness = 0.9;  // of a tag that is in place; sharp ones have 0.97, others at most 0.95
+constexpr double least_of_a_guess = 0.4;
+
+/// Means of a frame over rectangles.
+class Sums {
+ public:
+  explicit Sums(const Frame& frame)
+      : width_(frame.width),
+        height_(frame.height),
+        sums_(static_cast<std::size_t>(frame.width + 1) * static_cast<std::size_t>(frame.height + 1)) {
+    for (int v = 0; v < height_; ++v) {
+      std::uint32_t row = 0;
+      for (int u = 0; u < width_; ++u) {
+        row += frame.row(v)[u];
+        sums_[at(u + 1, v + 1)] = sums_[at(u + 1, v)] + row;
+      }
+    }
+  }
+  /// Of the square around a pixel; none: it reaches over the frame's border.
+  std::optional<float> mean(const Eigen::Vector2d& middle, double half) const {
+    if (middle.x() < half || middle.y() < half) return {};
+    const int left = static_cast<int>(middle.x() - half + 0.5), top = static_cast<int>(middle.y() - half + 0.5);
+    const int right = static_cast<int>(middle.x() + half + 0.5) + 1;
+    const int bottom = static_cast<int>(middle.y() + half + 0.5) + 1;
+    if (right > width_ || bottom > height_) return {};
+    const std::uint32_t sum =
+        sums_[at(right, bottom)] - sums_[at(left, bottom)] - sums_[at(right, top)] + sums_[at(left, top)];
+    return static_cast<float>(sum) / static_cast<float>((right - left) * (bottom - top));
+  }
+
+ private:
+  std::size_t at(int u, int v) const {
+    return static_cast<std::size_t>(v) * static_cast<std::size_t>(width_ + 1) + static_cast<std::size_t>(u);
+  }
+  int width_, height_;
+  std::vector<std::uint32_t> sums_;  // modulo 2^32, which differences of a few pixels do not notice
+};
+
+constexpr int depth(std::size_t cell) {  // 0: the white border, 1: the black one, more: a bit
+  const int row = static_cast<int>(cell) / side, column = static_cast<int>(cell) % side;
+  return std::min({row, column, side - 1 - row, side - 1 - column});
+}
+
+constexpr bool is_bit(std::size_t cell) {
+  return depth(cell) > 1;
+}
+
+/// The cells that all tags share, in an order in which the first few are spread over all sides, and the bits.
+struct Cells {
+  std::vector<std::size_t> shared, bits;
+  Cells() {
+    constexpr std::size_t apart = 7;
+    for (std::size_t first = 0; first < apart; ++first)
+      for (std::size_t k = first; k < cells; k += apart) (is_bit(k) ? bits : shared).push_back(k);
+  }
+};
+
+/// A tag's plane around one place of the picture.
+struct Spot {
+  Eigen::Vector2d pixel, world;
+  Eigen::Matrix2d px_per_metre;
+};
+
+std::optional<Spot> spot_at(const Calibration& calibration, const Eigen::Vector2d& pixel) {
+  const auto world = world_from_pixel(calibration, pixel, calibration.tag_height);
+  if (!world) return {};
+  Spot spot{pixel, *world, {}};
+  const double reach = 0.5 * calibration.tag_size;
+  for (int axis = 0; axis < 2; ++axis) {
+    Eigen::Vector3d ahead(world->x(), world->y(), calibration.tag_height), behind = ahead;
+    ahead[axis] += reach;
+    behind[axis] -= reach;
+    const auto there = pixel_from_world(calibration, ahead), here = pixel_from_world(calibration, behind);
+    if (!there || !here) return {};
+    spot.px_per_metre.col(axis) = (*there - *here) / (2.0 * reach);
+  }
+  return spot;
+}
+
+/// What a frame shows of the cells of a tag that is at a pose.
+struct View {
+  std::array<float, cells> grey{};
+  std::array<bool, cells> shown{};
+  int bits = 0;           // that are shown
+  bool cut = false;       // not all cells are
+  double contrast = 0.0;  // between the cells that all tags have in paper and in ink [grey levels]
+  double middle = 0.0;    // between them [grey levels]
+};
+
+class Viewer {
+ public:
+  Viewer(const Frame& frame, const Calibration& calibration) : sums_(frame), module_(calibration.tag_size / modules) {}
+
+  /// None: too little of a tag, or nothing that could be one.
+  std::optional<View> view(const Spot& spot, double theta) const {
+    const Eigen::Matrix2d px_per_module = module_ * spot.px_per_metre * Eigen::Rotation2Dd(theta).toRotationMatrix();
+    const double half = 0.3 * std::sqrt(std::abs(px_per_module.determinant()));
+    View view;
+    const auto look = [&](std::size_t k) {
+      const double x = static_cast<double>(k % side) - 0.5 * (side - 1);
+      const double y = 0.5 * (side - 1) - static_cast<double>(k / side);
+      const auto grey = sums_.mean(spot.pixel + px_per_module * Eigen::Vector2d(x, y), half);
+      view.shown[k] = grey.has_value();
+      view.cut = view.cut || !grey;
+      if (grey) view.grey[k] = *grey;
+    };
+    constexpr std::size_t first_look = 16;  // cells: of nearly all places, these show that no tag is there
+    std::array<double, 2> sum{}, count{};   // of ink, of paper
+    for (std::size_t seen = 0; const std::size_t k : cells_.shared) {
+      look(k);
+      if (!view.shown[k]) continue;
+      const std::size_t paper = depth(k) == 0 ? 1 : 0;
+      sum[paper] += view.grey[k];
+      count[paper] += 1.0;
+      if (++seen == first_look && sum[1] * count[0] - sum[0] * count[1] < least_contrast * count[0] * count[1])
+        return {};
+    }
+    if (count[0] == 0.0 || count[1] == 0.0) return {};
+    view.contrast = sum[1] / count[1] - sum[0] / count[0];
+    view.middle = 0.5 * (sum[1] / count[1] + sum[0] / count[0]);
+    if (view.contrast < least_contrast) return {};
+    for (const std::size_t k : cells_.bits) {
+      look(k);
+      view.bits += view.shown[k] ? 1 : 0;
+    }
+    if (view.bits < least_bits) return {};
+    return view;
+  }
+
+ private:
+  Sums sums_;
+  double module_;  // [m]
+  Cells cells_;
+};
+
+/// The correlation of what is shown with a tag.
+double likeness(const View& view, const TagPattern& pattern) {
+  double n = 0.0, greys = 0.0, squares = 0.0, papers = 0.0, products = 0.0;
+  for (std::size_t k = 0; k < cells; ++k) {
+    if (!view.shown[k]) continue;
+    const double grey = view.grey[k], paper = pattern[k] ? 1.0 : 0.0;
+    n += 1.0;
+    greys += grey;
+    squares += grey * grey;
+    papers += paper;
+    products += paper * grey;
+  }
+  const double spread = (n * squares - greys * greys) * (n * papers - papers * papers);
+  return spread > 0.0 ? (n * products - papers * greys) / std::sqrt(spread) : 0.0;
+}
+
+/// As it lies where a tag that is turned by a quarter to the left has it upright.
+TagPattern turned(const TagPattern& pattern) {
+  TagPattern result{};
+  for (std::size_t row = 0; row < side; ++row)
+    for (std::size_t column = 0; column < side; ++column)
+      result[row * side + column] = pattern[column * side + side - 1 - row];
+  return result;
+}
+
+/// All bits that are shown are the tag's.
+bool reads_as(const View& view, const TagPattern& pattern) {
+  for (std::size_t k = 0; k < cells; ++k)
+    if (is_bit(k) && view.shown[k] && (view.grey[k] > view.middle) != pattern[k]) return false;
+  return true;
+}
+
+/// They are no other tag's, turned in any way: what the border leaves of two tags may be the same.
+bool reads_only_as(const View& view, const TagPattern& tag, const std::vector<TagPattern>& all) {
+  if (!reads_as(view, tag)) return false;
+  int ways = 0;
+  for (TagPattern pattern : all)
+    for (int turn = 0; turn < 4; ++turn, pattern = turned(pattern)) ways += reads_as(view, pattern) ? 1 : 0;
+  return ways == 1;
+}
+
+struct Guess {
+  Eigen::Vector2d pixel;
+  double theta = 0.0;
+  double likeness = 0.0;
+};
+
+constexpr double quarter = 0.5 * std::numbers::pi;
+
+/// Where one of `tags` may be: the best place in each square of half an edge along the border, with the tag's index.
+std::vector<std::pair<std::size_t, Guess>> guesses_along_border(const Frame& frame, const Calibration& calibration,
+                                                                const Viewer& viewer, double step, double edge,
+                                                                const std::vector<TagPattern>& tags) {
+  constexpr int angles = 12;                               // of a quarter: 7.5 degrees
+  const double outside = 0.2 * edge, inside = 0.9 * edge;  // the middle of a tag that is cut [px]
+  std::vector<std::array<TagPattern, 4>> turns;
+  for (const TagPattern& tag : tags) {
+    const TagPattern once = turned(tag), twice = turned(once);
+    turns.push_back({tag, once, twice, turned(twice)});
+  }
+  std::map<std::array<long, 3>, Guess> best;
+  for (double v = -outside; v < frame.height + outside; v += step)
+    for (double u = -outside; u < frame.width + outside; u += step) {
+      if (std::min({u, v, frame.width - 1.0 - u, frame.height - 1.0 - v}) > inside) {
+        u = std::max(u, frame.width - 1.0 - inside - step);  // on to the other side
+        continue;
+      }
+      const auto spot = spot_at(calibration, {u, v});
+      for (int angle = 0; spot && angle < angles; ++angle) {
+        const double theta = quarter * angle / angles;
+        const auto view = viewer.view(*spot, theta);
+        for (std::size_t i = 0; view && i < tags.size(); ++i)
+          for (std::size_t turn = 0; turn < 4; ++turn) {
+            const double like = likeness(*view, turns[i][turn]);
+            if (like < least_of_a_guess) continue;
+            Guess& guess = best[{static_cast<long>(i), std::lround(2.0 * u / edge), std::lround(2.0 * v / edge)}];
+            if (like > guess.likeness) guess = {{u, v}, theta + quarter * static_cast<double>(turn), like};
+          }
+      }
+    }
+  std::vector<std::pair<std::size_t, Guess>> all;
+  for (const auto& [place, guess] : best) all.emplace_back(static_cast<std::size_t>(place[0]), guess);
+  return all;
+}
+
+/// Moves and turns a guess by smaller and smaller steps to where it is most like the tag.
+void improve(Guess& guess, const Calibration& calibration, const Viewer& viewer, double step, const TagPattern& tag) {
+  constexpr double first_turn = 0.06;  // [rad]
+  for (double part = 1.0; part > 0.05; part *= 0.5) {
+    const double move = part * step, turn = part * first_turn;
+    for (bool better = true; better;) {
+      better = false;
+      for (const auto& [du, dv, dtheta] :
+           {std::array{move, 0.0, 0.0}, std::array{-move, 0.0, 0.0}, std::array{0.0, move, 0.0},
+            std::array{0.0, -move, 0.0}, std::array{0.0, 0.0, turn}, std::array{0.0, 0.0, -turn}}) {
+        Guess other{guess.pixel + Eigen::Vector2d(du, dv), guess.theta + dtheta};
+        const auto spot = spot_at(calibration, other.pixel);
+        const auto view = spot ? viewer.view(*spot, other.theta) : std::nullopt;
+        if (!view) continue;
+        other.likeness = likeness(*view, tag);
+        if (other.likeness <= guess.likeness) continue;
+        guess = other;
+        better = true;
+      }
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<std::optional<core::Pose>> find_cut_tags(const Frame& frame, const Calibration& calibration,
+                                                     std::span<const int> tags) {
+  std::vector<std::optional<core::Pose>> found(tags.size());
+  const double edge = tag_edge_px(calibration), step = std::max(1.0, edge / (2.0 * modules));  // half a module
+  if (tags.empty() || edge < modules) return found;
+  const std::vector<TagPattern> all = tag_patterns();
+  std::vector<TagPattern> wanted;
+  for (const int tag : tags) wanted.push_back(all.at(static_cast<std::size_t>(tag)));
+  const Viewer viewer(frame, calibration);
+  std::vector<double> best(tags.size(), least_likeness);
+  for (auto& [i, guess] : guesses_along_border(frame, calibration, viewer, step, edge, wanted)) {
+    improve(guess, calibration, viewer, step, wanted[i]);
+    const auto spot = spot_at(calibration, guess.pixel);
+    const auto view = spot ? viewer.view(*spot, guess.theta) : std::nullopt;
+    if (!view || !view->cut || guess.likeness < best[i] || !reads_only_as(*view, wanted[i], all)) continue;
+    best[i] = guess.likeness;
+    found[i] = core::Pose{spot->world.x(), spot->world.y(), core::wrap_angle(guess.theta)};
+  }
+  return found;
+}
+
+}  // namespace skein::vision::detail

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/geometry/pose.h"
+#include "vision/calibration/calibration.h"
+#include "vision/frames/frame.h"
+
+namespace skein::vision::detail {
+
+/// Where the border of a frame cuts tags that nobody has seen before: AprilTag finds whole squares only. Each of `tags`
+/// (0 to largest_tag) is compared with what the frame shows along its border, at the size that the calibration
+/// gives it there. Its pose [m, rad]; none: it is not there, or fewer than half of its bits are in the frame. Takes
+/// some tenths of a second. The calibration must have a world frame.
+std::vector<std::optional<core::Pose>> find_cut_tags(const Frame& frame, const Calibration& calibration,
+                                                     std::span<const int> tags);
+
+}  // namespace skein::vision::detail
