@@ -43,7 +43,8 @@ class Sums {
   }
   /// Of the square around a pixel; none: it reaches over the frame's border.
   std::optional<float> mean(const Eigen::Vector2d& middle, double half) const {
-    if (middle.x() < half || middle.y() < half) return {};
+    const bool in = middle.x() >= half && middle.x() < width_ && middle.y() >= half && middle.y() < height_;
+    if (!in) return {};  // nor is what is no number
     const int left = static_cast<int>(middle.x() - half + 0.5), top = static_cast<int>(middle.y() - half + 0.5);
     const int right = static_cast<int>(middle.x() + half + 0.5) + 1;
     const int bottom = static_cast<int>(middle.y() + half + 0.5) + 1;
