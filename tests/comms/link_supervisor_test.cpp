@@ -392,12 +392,13 @@ TEST_F(Supervised, StartNamesTheRobotThatIsMissing) {
 TEST_F(Supervised, StartNamesTheRobotThatDoesNotAnswer) {
   robots.emplace(std::vector{MotorModel::epuck2, MotorModel::epuck2}, nullptr, seconds);
   robots->silence(1, true);
-  LinkOptions options = hasty;
+  LinkOptions options = patient;
+  options.reply_timeout = 0.5;  // the other one answers within it, also on a busy machine
   options.close_timeout = 0.2;
   links.emplace(std::vector<LinkAddress>{{LinkKind::serial, robots->device(0), 0, ""},
                                          {LinkKind::serial, robots->device(1), 0, ""}},
                 options);
-  const auto started = links->start(2.0);  // as long as the other one may need on a busy machine
+  const auto started = links->start(3.0);
   ASSERT_FALSE(started);
   EXPECT_EQ(started.error().find("robot 2 (serial:"), 0u) << started.error();
   EXPECT_NE(started.error().find("no answer to the stop"), std::string::npos) << started.error();
