@@ -43,11 +43,12 @@ class Sums {
   }
   /// Of the square around a pixel; none: it reaches over the frame's border.
   std::optional<float> mean(const Eigen::Vector2d& middle, double half) const {
+    const Eigen::Vector2d from_corner = middle + Eigen::Vector2d(0.5, 0.5);
     const bool in = middle.x() >= half && middle.x() < width_ && middle.y() >= half && middle.y() < height_;
     if (!in) return {};  // nor is what is no number
-    const int left = static_cast<int>(middle.x() - half + 0.5), top = static_cast<int>(middle.y() - half + 0.5);
-    const int right = static_cast<int>(middle.x() + half + 0.5) + 1;
-    const int bottom = static_cast<int>(middle.y() + half + 0.5) + 1;
+    const int left = static_cast<int>(from_corner.x() - half), top = static_cast<int>(from_corner.y() - half);
+    const int right = static_cast<int>(from_corner.x() + half) + 1,
+              bottom = static_cast<int>(from_corner.y() + half) + 1;
     if (right > width_ || bottom > height_) return {};
     const std::uint32_t sum =
         sums_[at(right, bottom)] - sums_[at(left, bottom)] - sums_[at(right, top)] + sums_[at(left, top)];
@@ -123,8 +124,9 @@ class Viewer {
     const double half = 0.3 * std::sqrt(std::abs(px_per_module.determinant()));
     View view;
     const auto look = [&](std::size_t k) {
-      const double x = static_cast<double>(k % side) - 0.5 * (side - 1);
-      const double y = 0.5 * (side - 1) - static_cast<double>(k / side);
+      const std::size_t column = k % side, row = k / side;
+      const double x = static_cast<double>(column) - 0.5 * (side - 1);
+      const double y = 0.5 * (side - 1) - static_cast<double>(row);
       const auto grey = sums_.mean(spot.pixel + px_per_module * Eigen::Vector2d(x, y), half);
       view.shown[k] = grey.has_value();
       view.cut = view.cut || !grey;
@@ -240,6 +242,7 @@ std::vector<std::pair<std::size_t, Guess>> guesses_along_border(const Frame& fra
       }
     }
   std::vector<std::pair<std::size_t, Guess>> all;
+  all.reserve(best.size());
   for (const auto& [place, guess] : best) all.emplace_back(static_cast<std::size_t>(place[0]), guess);
   return all;
 }
