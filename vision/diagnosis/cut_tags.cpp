@@ -47,8 +47,8 @@ class Sums {
     const bool in = middle.x() >= half && middle.x() < width_ && middle.y() >= half && middle.y() < height_;
     if (!in) return {};  // nor is what is no number
     const int left = static_cast<int>(from_corner.x() - half), top = static_cast<int>(from_corner.y() - half);
-    const int right = static_cast<int>(from_corner.x() + half) + 1,
-              bottom = static_cast<int>(from_corner.y() + half) + 1;
+    const int right = static_cast<int>(from_corner.x() + half) + 1;
+    const int bottom = static_cast<int>(from_corner.y() + half) + 1;
     if (right > width_ || bottom > height_) return {};
     const std::uint32_t sum =
         sums_[at(right, bottom)] - sums_[at(left, bottom)] - sums_[at(right, top)] + sums_[at(left, top)];
