@@ -209,13 +209,13 @@ TEST(CameraFusion, ADifferenceThatGrowsIsSaidAndThenContradicts) {
 TEST(CameraFusion, SaysThatItIsOpenWhetherTwoCamerasGoOnToSeeARobotApart) {
   const auto open = [](const Floor& floor) { return floor.now - floor.fusion.comparison(0, 1).undecided_at < 0.1; };
   Floor floor;
-  Said(floor, 0.2, [](double) { return 0.008; });
+  EXPECT_TRUE(Said(floor, 0.2, [](double) { return 0.008; }).differences.empty());
   EXPECT_TRUE(open(floor));
-  Said(floor, 0.6, [](double) { return 0.008; });
+  EXPECT_EQ(Said(floor, 0.6, [](double) { return 0.008; }).differences.size(), 1U);
   EXPECT_FALSE(open(floor));
   EXPECT_GT(floor.fusion.comparison(0, 1).apart, 0.0);
   Floor agreeing;
-  Said(agreeing, 0.2, [](double) { return 0.0; });
+  EXPECT_TRUE(Said(agreeing, 0.2, [](double) { return 0.0; }).differences.empty());
   EXPECT_FALSE(open(agreeing));
 }
 
