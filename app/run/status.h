@@ -68,7 +68,7 @@ struct UnseenTag {
 struct CameraPair {
   std::size_t first = 0, second = 1;  ///< from 0
   bool compared = false;              ///< both have seen a robot at once, since they were opened or since the start
-  bool undecided = false;             ///< both see a robot, and it is open yet whether they go on to see it apart
+  bool undecided = false;             ///< both see a robot, and whether they go on to see it apart is not known yet
   std::size_t robot = 0;              ///< whom they see `apart`
   double apart = 0.0;                 ///< if they go on to see it more than 5 mm apart; 0: they do not [m]
 };

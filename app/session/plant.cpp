@@ -300,8 +300,7 @@ std::string pictures_late_sentence(const events::PicturesLate& late) {
   return fmt::format(
       "the camera shows robots that obey their commands {:.1f} s later than the known delays explain: STOP. Its "
       "pictures are older than their time stamps say, or commands are held up, so that it is not known where the "
-      "robots "
-      "are. `skein camera latency` measures the delay, for camera.latency (at most 0.5 s)",
+      "robots are. `skein camera latency` measures the delay, for camera.latency (at most 0.5 s)",
       late.by);
 }
 

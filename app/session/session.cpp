@@ -238,52 +238,49 @@ Phase Session::run(const std::function<bool()>& keep_on) {
     }
   };
 
-  const auto compare_cameras = [&] {
+  // False: it is still not so when the patience is over. True as well where the run is over. [s]
+  const auto await = [&](const auto& is_so, double patience) {
     const double began = i.clock.now();
-    const std::int64_t before = i.plant->cameras()->fewest_frames();
-    const auto known = [&] {
-      const std::vector<CameraPair> pairs = i.loop->camera_pairs();
-      return i.plant->cameras()->fewest_frames() - before >= compared_frames &&
-             std::none_of(pairs.begin(), pairs.end(), [](const CameraPair& pair) { return pair.undecided; });
-    };
-    for (; !over() && !i.loop->failed(); turn()) {
-      const double waited = i.clock.now() - began;
-      if (waited >= comparison && known()) return;
-      if (waited < look_patience) continue;
-      i.fail(fmt::format("the cameras' pictures could not be compared within {:g} s: the machine is too busy",
-                         look_patience));
-      return;
-    }
+    for (; !is_so() && !over() && !i.loop->failed(); turn())
+      if (i.clock.now() - began >= patience) return false;
+    return true;
   };
 
   bool away = false;
   if (i.clock.wall()) {
     // No robot drives blind: every robot has to be seen before the start.
-    const double give_up = i.clock.now() + first_sight_timeout;
-    for (int unseen = 0; (unseen = i.loop->unseen()) >= 0 && !over() && !i.loop->failed(); turn()) {
-      if (i.clock.now() < give_up) continue;
+    int unseen = 0;
+    if (!await([&] { return (unseen = i.loop->unseen()) < 0; }, first_sight_timeout))
       i.fail(fmt::format("robot {}: its tag {} is not seen{}", unseen + 1,
                          i.experiment.robots[static_cast<std::size_t>(unseen)].tag,
                          reasons(i.experiment, why_not_seen())));
-      break;
+    if (i.experiment.cameras() > 1) {
+      const double seen_at = i.clock.now();
+      const std::int64_t frames = i.plant->cameras()->fewest_frames();
+      const auto compared = [&] {
+        if (i.clock.now() - seen_at < comparison) return false;
+        const std::vector<CameraPair> pairs = i.loop->camera_pairs();
+        return i.plant->cameras()->fewest_frames() - frames >= compared_frames &&
+               std::none_of(pairs.begin(), pairs.end(), [](const CameraPair& pair) { return pair.undecided; });
+      };
+      if (!await(compared, look_patience))
+        i.fail(fmt::format("the cameras' pictures could not be compared within {:g} s: the machine is too busy",
+                           look_patience));
     }
-    if (i.experiment.cameras() > 1) compare_cameras();
     away = i.loop->away();
   } else {  // simulated robots stand at their starts, unless the file puts them elsewhere
     away = std::any_of(i.experiment.robots.begin(), i.experiment.robots.end(),
                        [](const RobotSpec& robot) { return robot.start.has_value(); });
   }
   const double began = i.clock.now();
-  MarksStatus marks;
-  const auto waits = [&] { return !(marks = i.plant->marks()).known && marks.exchanged.empty(); };
-  for (; waits() && !over() && !i.loop->failed(); turn()) {
-    const double waited = i.clock.now() - began;
-    if (waited < (marks.sentence.empty() ? look_patience : marks_patience)) continue;
-    if (marks.sentence.empty())
-      i.fail(fmt::format("the marks on the floor could not be looked for within {:g} s: the machine is too busy",
-                         look_patience));
-    break;
-  }
+  const auto marks_known = [&] {
+    const MarksStatus marks = i.plant->marks();
+    return marks.known || !marks.exchanged.empty() ||
+           (!marks.sentence.empty() && i.clock.now() - began >= marks_patience);
+  };
+  if (!await(marks_known, look_patience))
+    i.fail(fmt::format("the marks on the floor could not be looked for within {:g} s: the machine is too busy",
+                       look_patience));
   if (const Answer may = i.may_drive(); !may) i.fail(may.error());
   while (i.loop->stop_asked() && !over() && !i.loop->failed()) turn();
   if (away && i.experiment.staging.automatic && !over()) drive_to_starts();

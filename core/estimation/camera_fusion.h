@@ -56,7 +56,7 @@ class CameraFusion {
     double apart = 0.0;                        ///< if they go on to see it more than `slight` apart; 0: they do not [m]
     double at = Measurement::never;            ///< when they last did [s]
     bool told = false;                         ///< as Outcome::difference
-    double undecided_at = Measurement::never;  ///< when it was last open whether they go on to see one apart [s]
+    double undecided_at = Measurement::never;  ///< when it was last not known whether they go on to see one apart [s]
   };
   /// first < second.
   const Comparison& comparison(std::size_t first, std::size_t second) const noexcept {
