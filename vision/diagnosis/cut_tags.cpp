@@ -23,13 +23,13 @@ constexpr int side = pattern_cells;
 constexpr std::size_t cells = static_cast<std::size_t>(side) * side;
 constexpr double modules = 8.0;  // of a tag's edge
 constexpr int least_bits = 18;
-constexpr double least_likeness = 0.9;  // of a tag that is in place; sharp ones have 0.97, others at most 0.95
-constexpr double least_of_a_guess = 0.4;
+constexpr double least_correlation = 0.9;  // of a tag that is in place; sharp ones have 0.97, others at most 0.95
+constexpr double least_of_a_guess = 0.4;   // of one that is half a module and 4 degrees away
 
 /// Means of a frame over rectangles.
-class Sums {
+class BoxMeans {
  public:
-  explicit Sums(const Frame& frame)
+  explicit BoxMeans(const Frame& frame)
       : width_(frame.width),
         height_(frame.height),
         sums_(static_cast<std::size_t>(frame.width + 1) * static_cast<std::size_t>(frame.height + 1)) {
@@ -108,15 +108,13 @@ std::optional<Spot> spot_at(const Calibration& calibration, const Eigen::Vector2
 struct View {
   std::array<float, cells> grey{};
   std::array<bool, cells> shown{};
-  int bits = 0;           // that are shown
-  bool cut = false;       // not all cells are
-  double contrast = 0.0;  // between the cells that all tags have in paper and in ink [grey levels]
-  double middle = 0.0;    // between them [grey levels]
+  bool cut = false;     // not all cells are
+  double middle = 0.0;  // between the cells that all tags have in paper and those that all have in ink [grey levels]
 };
 
 class Viewer {
  public:
-  Viewer(const Frame& frame, const Calibration& calibration) : sums_(frame), module_(calibration.tag_size / modules) {}
+  Viewer(const Frame& frame, const Calibration& calibration) : means_(frame), module_(calibration.tag_size / modules) {}
 
   /// None: too little of a tag, or nothing that could be one.
   std::optional<View> view(const Spot& spot, double theta) const {
@@ -127,7 +125,7 @@ class Viewer {
       const std::size_t column = k % side, row = k / side;
       const double x = static_cast<double>(column) - 0.5 * (side - 1);
       const double y = 0.5 * (side - 1) - static_cast<double>(row);
-      const auto grey = sums_.mean(spot.pixel + px_per_module * Eigen::Vector2d(x, y), half);
+      const auto grey = means_.mean(spot.pixel + px_per_module * Eigen::Vector2d(x, y), half);
       view.shown[k] = grey.has_value();
       view.cut = view.cut || !grey;
       if (grey) view.grey[k] = *grey;
@@ -137,32 +135,33 @@ class Viewer {
     for (std::size_t seen = 0; const std::size_t k : cells_.shared) {
       look(k);
       if (!view.shown[k]) continue;
-      const std::size_t paper = depth(k) == 0 ? 1 : 0;
-      sum[paper] += view.grey[k];
-      count[paper] += 1.0;
+      const std::size_t which = depth(k) == 0 ? 1 : 0;
+      sum[which] += view.grey[k];
+      count[which] += 1.0;
       if (++seen == first_look && sum[1] * count[0] - sum[0] * count[1] < least_contrast * count[0] * count[1])
         return {};
     }
     if (count[0] == 0.0 || count[1] == 0.0) return {};
-    view.contrast = sum[1] / count[1] - sum[0] / count[0];
-    view.middle = 0.5 * (sum[1] / count[1] + sum[0] / count[0]);
-    if (view.contrast < least_contrast) return {};
+    const double ink = sum[0] / count[0], paper = sum[1] / count[1];
+    if (paper - ink < least_contrast) return {};
+    view.middle = 0.5 * (paper + ink);
+    int bits = 0;
     for (const std::size_t k : cells_.bits) {
       look(k);
-      view.bits += view.shown[k] ? 1 : 0;
+      bits += view.shown[k] ? 1 : 0;
     }
-    if (view.bits < least_bits) return {};
+    if (bits < least_bits) return {};
     return view;
   }
 
  private:
-  Sums sums_;
+  BoxMeans means_;
   double module_;  // [m]
   Cells cells_;
 };
 
 /// The correlation of what is shown with a tag.
-double likeness(const View& view, const TagPattern& pattern) {
+double correlation(const View& view, const TagPattern& pattern) {
   double n = 0.0, greys = 0.0, squares = 0.0, papers = 0.0, products = 0.0;
   for (std::size_t k = 0; k < cells; ++k) {
     if (!view.shown[k]) continue;
@@ -205,7 +204,7 @@ bool reads_only_as(const View& view, const TagPattern& tag, const std::vector<Ta
 struct Guess {
   Eigen::Vector2d pixel;
   double theta = 0.0;
-  double likeness = 0.0;
+  double correlation = 0.0;
 };
 
 constexpr double quarter = 0.5 * std::numbers::pi;
@@ -234,10 +233,10 @@ std::vector<std::pair<std::size_t, Guess>> guesses_along_border(const Frame& fra
         const auto view = viewer.view(*spot, theta);
         for (std::size_t i = 0; view && i < tags.size(); ++i)
           for (std::size_t turn = 0; turn < 4; ++turn) {
-            const double like = likeness(*view, turns[i][turn]);
+            const double like = correlation(*view, turns[i][turn]);
             if (like < least_of_a_guess) continue;
             Guess& guess = best[{static_cast<long>(i), std::lround(2.0 * u / edge), std::lround(2.0 * v / edge)}];
-            if (like > guess.likeness) guess = {{u, v}, theta + quarter * static_cast<double>(turn), like};
+            if (like > guess.correlation) guess = {{u, v}, theta + quarter * static_cast<double>(turn), like};
           }
       }
     }
@@ -261,8 +260,8 @@ void improve(Guess& guess, const Calibration& calibration, const Viewer& viewer,
         const auto spot = spot_at(calibration, other.pixel);
         const auto view = spot ? viewer.view(*spot, other.theta) : std::nullopt;
         if (!view) continue;
-        other.likeness = likeness(*view, tag);
-        if (other.likeness <= guess.likeness) continue;
+        other.correlation = correlation(*view, tag);
+        if (other.correlation <= guess.correlation) continue;
         guess = other;
         better = true;
       }
@@ -281,13 +280,13 @@ std::vector<std::optional<core::Pose>> find_cut_tags(const Frame& frame, const C
   std::vector<TagPattern> wanted;
   for (const int tag : tags) wanted.push_back(all.at(static_cast<std::size_t>(tag)));
   const Viewer viewer(frame, calibration);
-  std::vector<double> best(tags.size(), least_likeness);
+  std::vector<double> best(tags.size(), least_correlation);
   for (auto& [i, guess] : guesses_along_border(frame, calibration, viewer, step, edge, wanted)) {
     improve(guess, calibration, viewer, step, wanted[i]);
     const auto spot = spot_at(calibration, guess.pixel);
     const auto view = spot ? viewer.view(*spot, guess.theta) : std::nullopt;
-    if (!view || !view->cut || guess.likeness < best[i] || !reads_only_as(*view, wanted[i], all)) continue;
-    best[i] = guess.likeness;
+    if (!view || !view->cut || guess.correlation < best[i] || !reads_only_as(*view, wanted[i], all)) continue;
+    best[i] = guess.correlation;
     found[i] = core::Pose{spot->world.x(), spot->world.y(), core::wrap_angle(guess.theta)};
   }
   return found;
