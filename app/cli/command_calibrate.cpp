@@ -23,6 +23,7 @@
 #include "core/math/elementary.h"
 #include "vision/calibrate/floor_calibration.h"
 #include "vision/calibrate/intrinsics.h"
+#include "vision/diagnosis/diagnosis.h"
 #include "vision/sheets/sheet.h"
 #include "vision/sources/open_source.h"
 
@@ -77,6 +78,7 @@ struct Looked {
   vision::Calibration calibration;
   std::vector<vision::FloorMark> marks;
   vision::FloorSight sight;
+  tl::expected<vision::TrustedFloor, std::string> solved{};  // by these marks, one of which it may point at
 };
 
 /// The marks by which a camera was calibrated, to be seen again. A point has a pixel that held only then.
@@ -133,9 +135,18 @@ std::optional<Looked> look(const FloorRequest& request, bool need_world, int& st
   }
   looked.sight = std::move(*sight);
   enter(looked.sight, looked.marks);
-  for (const vision::FloorMark& mark : looked.marks)
-    if (!mark.seen) complain(fmt::format("{} is not seen", mark.name));
-  if (!looked.sight.why_no_tag.empty()) complain(looked.sight.why_no_tag);
+  looked.solved = vision::solve_trusted_floor(looked.calibration, looked.marks);
+  // A file's own world frame may be that of a camera that has moved since.
+  vision::Calibration floor = looked.calibration;
+  if (looked.solved)
+    floor = looked.solved->calibration;
+  else if (!need_world)
+    floor.world_from_camera.reset();
+  for (const std::string& why : why_not_seen(looked.sight, looked.marks, floor)) complain(why);
+  if (const std::string twice = doubled_tags(looked.sight); !twice.empty()) {
+    status = fail_with(twice + (need_world ? "" : "; nothing was written"), device_failed);
+    return {};
+  }
   return looked;
 }
 
@@ -262,7 +273,7 @@ int calibrate_floor(const FloorRequest& request) {
   int status = done;
   auto looked = look(request, /*need_world=*/false, status);
   if (!looked) return status;
-  auto solved = vision::solve_trusted_floor(looked->calibration, looked->marks);
+  auto& solved = looked->solved;
   if (!solved) return fail_with(solved.error() + "; nothing was written", device_failed);
   vision::Calibration* const result = &solved->calibration;
   if (request.tag_size > 0.0) result->tag_size = request.tag_size;
@@ -278,11 +289,14 @@ int calibrate_floor(const FloorRequest& request) {
         found == ids.end()
             ? std::nullopt
             : vision::tag_height_of(*result, looked->sight.corners[static_cast<std::size_t>(found - ids.begin())]);
+    if (found == ids.end()) {
+      const std::array missing{vision::MissingTag{.tag = request.measure_height}};
+      return fail_with(sentence(vision::diagnose(looked->sight.last, *result, missing).front(), *result),
+                       device_failed);
+    }
     if (!height)
-      return fail_with(
-          fmt::format("tag {}: {}", request.measure_height,
-                      found == ids.end() ? "is not seen" : "no height explains its size: check --tag-size"),
-          device_failed);
+      return fail_with(fmt::format("tag {}: no height explains its size: check --tag-size", request.measure_height),
+                       device_failed);
     result->tag_height = *height;
   }
   const auto check = vision::check_floor(*result, looked->marks);

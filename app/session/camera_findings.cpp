@@ -74,7 +74,7 @@ void CameraFindings::thread(const std::stop_token& stop) {
   };
   while (asked_.wait(lock, stop, [this] { return absence_ || floor_; })) {
     work_on(absence_, "the reason why a tag is not seen", [this](const Question& question) { explain(question); });
-    work_on(floor_, "whether the camera has moved", [this](const vision::Frame& frame) { look_at_marks(frame); });
+    work_on(floor_, "whether the camera has moved", [this](const vision::Frame& frame) { look_at_marks(frame, true); });
   }
 }
 
@@ -239,7 +239,7 @@ void CameraFindings::watch_marks(const vision::Frame& frame) {
   if (own_look) {
     ++own_looks_;
     looks_for_marks_ = marks_.watched || own_looks_ < most_own_looks;
-    return look_at_marks(frame);
+    return look_at_marks(frame, !wall_clock_);
   }
   const std::unique_lock lock(mutex_, std::try_to_lock);
   if (!lock || floor_) return;
@@ -247,10 +247,10 @@ void CameraFindings::watch_marks(const vision::Frame& frame) {
   asked_.notify_all();
 }
 
-void CameraFindings::look_at_marks(const vision::Frame& frame) {
+void CameraFindings::look_at_marks(const vision::Frame& frame, bool may_search) {
   constexpr double between = 2.0;  // [s]
   next_look_.store(frame.captured_at + between, std::memory_order_release);
-  if (marks_.watched) look_at_own_marks(frame);
+  if (marks_.watched) look_at_own_marks(frame, may_search);
   const auto known = mark_watch_.known();
   own_ = own_ || (known && (known->state == vision::MarkSight::State::in_place ||
                             known->state == vision::MarkSight::State::some_moved));
@@ -273,15 +273,38 @@ std::optional<std::size_t> CameraFindings::whose_marks(const vision::Frame& fram
   return {};
 }
 
-void CameraFindings::look_at_own_marks(const vision::Frame& frame) {
+/// What is known of the marks that are missing, to be added to a sentence: "; mark 20 is not seen: ...". That search
+/// takes up to a second.
+std::string CameraFindings::why_marks_are_missing(const vision::Frame& frame, bool may_search) {
+  const std::vector<vision::MissingTag> missing = mark_watch_.missing();
+  std::vector<int> ids;
+  for (const vision::MissingTag& mark : missing) ids.push_back(mark.tag);
+  if (asks_why_ && may_search) {
+    asks_why_ = false;
+    why_of_ = ids;
+    why_missing_.clear();
+    if (!missing.empty())
+      for (const std::string& why : mark_sentences(vision::diagnose(frame, calibration_, missing), calibration_))
+        why_missing_ += "; " + why;
+  }
+  return ids == why_of_ ? why_missing_ : std::string();
+}
+
+void CameraFindings::look_at_own_marks(const vision::Frame& frame, bool may_search) {
   constexpr double in_doubt = 0.5;  // [s]
   const bool was_blind = mark_watch_.blind() != nullptr;
   const bool news = mark_watch_.update(frame);
-  if (mark_watch_.doubts()) next_look_.store(frame.captured_at + in_doubt, std::memory_order_release);
+  const bool owes_reasons = asks_why_;  // of what was told without them
+  const bool becomes_blind = mark_watch_.blind() != nullptr && !was_blind;
+  // Of a camera that has moved nobody knows where it should see them.
+  if (news) asks_why_ = mark_watch_.known()->state != vision::MarkSight::State::camera_moved;
+  asks_why_ = asks_why_ || becomes_blind;
+  const std::string reasons = why_marks_are_missing(frame, may_search);
+  if (mark_watch_.doubts() || asks_why_) next_look_.store(frame.captured_at + in_doubt, std::memory_order_release);
   const std::optional<vision::MarkSight>& sight = mark_watch_.known();
   if (!sight) return;
   const vision::MarkSight* blind = mark_watch_.blind();
-  const std::string sentence = vision::sentence(blind ? *blind : *sight);
+  const std::string sentence = vision::sentence(blind ? *blind : *sight) + reasons;
   const bool has_moved = sight->state == vision::MarkSight::State::camera_moved;
   events::CameraMoved event = moved();
   event.by = sight->by;
@@ -294,10 +317,12 @@ void CameraFindings::look_at_own_marks(const vision::Frame& frame) {
   marks_.moved = has_moved ? std::optional(event) : std::nullopt;
   marks_.sentence = prefix_ + sentence;
   // The part that stops the robots reports that they are stopped.
-  if (news && !well && (!has_moved || goes_on)) alarms_.push_back(prefix_ + sentence);
-  if (blind && !was_blind)
-    alarms_.push_back(fmt::format("{}{}; it has been so for {:g} s: clear the marks, or calibrate the floor anew",
-                                  prefix_, sentence, vision::MarkWatch::patience));
+  const bool is_told = news && !well && (!has_moved || goes_on);
+  const bool has_reasons_now = owes_reasons && !reasons.empty() && !vision::tells(sight->state);
+  if (is_told || has_reasons_now) alarms_.push_back(prefix_ + sentence);
+  if (becomes_blind)
+    alarms_.push_back(fmt::format("{}{}; it has been so for {:g} s: clear the marks, or calibrate the floor anew{}",
+                                  prefix_, vision::sentence(*blind), vision::MarkWatch::patience, reasons));
   if (news && has_moved) found_.push(event);
 }
 

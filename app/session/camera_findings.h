@@ -84,8 +84,9 @@ class CameraFindings {
                    std::span<const vision::SeenElsewhere> elsewhere);
   void explain(const Question& question);
   void tell_of_seen_elsewhere(const UnseenTag& tag);
-  void look_at_marks(const vision::Frame& frame);
-  void look_at_own_marks(const vision::Frame& frame);
+  void look_at_marks(const vision::Frame& frame, bool may_search);
+  void look_at_own_marks(const vision::Frame& frame, bool may_search);
+  std::string why_marks_are_missing(const vision::Frame& frame, bool may_search);
   std::optional<std::size_t> whose_marks(const vision::Frame& frame) const;
   void thread(const std::stop_token& stop);
   events::CameraMoved moved() const;  // this camera
@@ -118,7 +119,10 @@ class CameraFindings {
 
   vision::MarkWatch mark_watch_;                                     // of whoever looks at the marks
   std::vector<std::pair<std::size_t, vision::Calibration>> others_;  // other cameras' that have marks
-  bool own_ = false;  // the calibration is this camera's: the marks are where it has them
+  bool own_ = false;         // the calibration is this camera's: the marks are where it has them
+  bool asks_why_ = false;    // marks are missing, and the reasons are to be looked for
+  std::vector<int> why_of_;  // the marks for which `why_missing_` holds
+  std::string why_missing_;
   std::atomic<double> next_look_{core::Measurement::never};  // at the marks [s]
 
   mutable std::mutex mutex_;  // of what follows

@@ -15,15 +15,6 @@ namespace {
 
 constexpr int frames = 25;  // looked at, and averaged
 
-/// What to add where too few marks are seen: why no tag is, or else which are not; empty: all are.
-std::string not_seen(const vision::FloorSight& sight, const std::vector<vision::FloorMark>& marks) {
-  if (!sight.why_no_tag.empty()) return "; " + sight.why_no_tag;
-  std::vector<std::string> names;
-  for (const vision::FloorMark& mark : marks)
-    if (!mark.seen) names.push_back(mark.name);
-  return names.empty() ? "" : fmt::format("; not seen: {}", fmt::join(names, ", "));
-}
-
 }  // namespace
 
 std::optional<KnownFloor> known_floor(const std::string& calibration) {
@@ -55,7 +46,13 @@ tl::expected<FloorSurvey, std::string> survey_floor(const FloorQuestion& questio
     marks.push_back({.name = fmt::format("tag {}", tag.id), .tag = tag.id, .x = tag.x, .y = tag.y, .z = tag.z});
   vision::enter(*sight, marks);
   auto solved = vision::solve_trusted_floor(*lens, marks);
-  if (!solved) return tl::unexpected(solved.error() + not_seen(*sight, marks));
+  vision::Calibration floor = solved ? solved->calibration : *lens;
+  if (!solved) floor.world_from_camera.reset();  // that of a camera that may have moved
+  const std::vector<std::string> unseen = vision::why_not_seen(*sight, marks, floor);
+  const std::string twice = vision::doubled_tags(*sight);
+  if (!solved || !twice.empty())
+    return tl::unexpected(fmt::format("{}{}{}", twice.empty() ? solved.error() : twice, unseen.empty() ? "" : "; ",
+                                      fmt::join(unseen, "; ")));
   vision::Calibration* const result = &solved->calibration;
   result->tag_size = question.tag_size;
   result->tag_height = question.tag_height;
@@ -75,6 +72,7 @@ tl::expected<FloorSurvey, std::string> survey_floor(const FloorQuestion& questio
   const Eigen::Vector3d& place = result->world_from_camera->position;
   survey.camera = {place.x(), place.y(), place.z()};
   if (const auto shift = vision::pose_shift(*lens, *result)) survey.poses_move = shift->rms;
+  survey.unseen = unseen;
   if (solved->left_out) survey.suspect = solved->left_out->name;
   return survey;
 }

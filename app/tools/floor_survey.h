@@ -25,6 +25,7 @@ struct FloorSurvey {
   std::vector<FloorTag> tags;
   double rms = 0.0, worst = 0.0;                   ///< of the tags that were seen [m]
   std::array<double, 3> camera{none, none, none};  ///< the lens's position in the world frame [m]
+  std::vector<std::string> unseen{};               ///< why tags were not seen, and where: sentences without a full stop
   std::string suspect{};                           ///< the tag without which the others agree far better; empty: none
   double poses_move = none;  ///< rms over the floor between the tags; none: not calibrated before [m]
 };

@@ -9,11 +9,13 @@
 #include <array>
 #include <cmath>
 
+#include "app/calibration/calibration_file.h"
 #include "operator.h"
 #include "shown_board.h"
 #include "tests/places.h"
 #include "ui/calibration/calibration_dialog.h"
 #include "ui/calibration/floor_page.h"
+#include "vision/synthetic/synthetic_camera.h"
 
 namespace skein::ui::test {
 namespace {
@@ -135,6 +137,44 @@ TEST_F(Calibration, FindsWhereTheCameraHangsFromTagsOnTheFloor) {
   ASSERT_TRUE(written.open(QIODevice::ReadOnly));
   EXPECT_TRUE(written.readAll().contains("[world]"));
   delete dialog;
+}
+
+/// The table had a dash for it, and no reason.
+TEST(CalibrationFloor, SaysWhyATagIsNotSeen) {
+  const vision::Calibration camera = vision::overhead_calibration(2.0, 1.5);
+  vision::Calibration lens = camera;
+  lens.world_from_camera.reset();
+  const QTemporaryDir dir;
+  const QString file = dir.filePath(QStringLiteral("camera.toml"));
+  ASSERT_TRUE(app::save_calibration(lens, file.toStdString()));
+  app::KnownFloor floor{{}, 0.04, 0.06};
+  std::vector<vision::SyntheticTag> tags;
+  for (const auto& [x, y] : {std::pair{-0.9, 0.6}, {0.9, 0.6}, {0.9, -0.6}, {-0.9, -0.6}, {0.1, 0.1}}) {
+    const int id = 20 + static_cast<int>(tags.size());
+    floor.tags.push_back({.id = id, .x = x, .y = y});
+    tags.push_back({.tag = id, .pose = {x, y, 0.3}, .size = 0.06, .lifted = -camera.tag_height, .bare = true});
+  }
+  FloorPage page;
+  page.show_known(floor);
+  const auto* result = page.findChild<QLabel*>(QStringLiteral("floor_result"));
+  const auto look = [&](const std::vector<vision::SyntheticTag>& there) {
+    vision::Frame frame;
+    vision::SyntheticCamera(camera).render(there, 0.0, frame);
+    const QImage picture(frame.grey.data(), frame.width, frame.height, frame.width, QImage::Format_Grayscale8);
+    ASSERT_TRUE(picture.save(dir.filePath(QStringLiteral("a.png"))));
+    page.use_camera({.source = "images:" + dir.path().toStdString()}, file);
+    ASSERT_TRUE(eventually([&] { return !page.looks(); }));
+  };
+  tags.pop_back();
+  look(tags);
+  EXPECT_TRUE(result->text().startsWith(QStringLiteral("Written."))) << result->text().toStdString();
+  EXPECT_TRUE(
+      result->text().contains(QStringLiteral(" mark 24 is not seen: nothing can be read at (0.10, 0.10) m, pixel (")))
+      << result->text().toStdString();
+  tags.pop_back();
+  look(tags);
+  EXPECT_TRUE(result->text().contains(QStringLiteral("marks 23, 24 are not seen: no such tag is in the picture")))
+      << result->text().toStdString();
 }
 
 TEST_F(Calibration, SaysWhatItTakesOfANumberBeyondItsRange) {

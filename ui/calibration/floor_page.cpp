@@ -215,6 +215,7 @@ void FloorPage::settle() {
                      .arg(fixed(survey->camera[0], 3), fixed(survey->camera[1], 3), fixed(survey->camera[2], 3));
   if (std::isfinite(survey->poses_move))
     text += tr(" Poses move by %1 mm (rms).").arg(1000 * survey->poses_move, 0, 'f', 1);
+  for (const std::string& why : survey->unseen) text += QStringLiteral(" %1.").arg(QString::fromStdString(why));
   if (!survey->suspect.empty())
     text += tr(" %1: the others agree without it: check its position.").arg(QString::fromStdString(survey->suspect));
   refuse(text);

@@ -1,6 +1,7 @@
 #include "vision/calibrate/floor_calibration.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -76,8 +77,8 @@ tl::expected<FloorSight, std::string> look_at_floor(FrameSource& source, const C
                                         frame.width, frame.height, calibration.width, calibration.height));
     const std::vector<Detection>& found = detector.detect(frame);
     for (std::size_t i = 1; i < found.size(); ++i)
-      if (found[i].tag == found[i - 1].tag)
-        return tl::unexpected(fmt::format("frame {} shows tag {} twice", frame.source, found[i].tag));
+      if (found[i].tag == found[i - 1].tag && (sight.doubled.empty() || sight.doubled.back() != found[i].tag))
+        sight.doubled.push_back(found[i].tag);
     for (const Detection& detection : found) {
       Sum& sum = sums[detection.tag];
       for (std::size_t k = 0; k < 4; ++k)
@@ -85,15 +86,20 @@ tl::expected<FloorSight, std::string> look_at_floor(FrameSource& source, const C
       ++sum.count;
     }
     ++sight.frames;
-    if (keep_going && !keep_going(sight.frames)) break;
+    if (!sight.doubled.empty() || (keep_going && !keep_going(sight.frames))) break;
   }
   if (sums.empty() && sight.frames > 0) sight.why_no_tag = why_no_tag(frame);
   for (const auto& [tag, sum] : sums) {
-    if (2 * sum.count < sight.frames) continue;  // a flicker of the floor's texture
+    if (std::find(sight.doubled.begin(), sight.doubled.end(), tag) != sight.doubled.end()) continue;
+    if (2 * sum.count < sight.frames) {  // a flicker of the floor's texture
+      sight.seldom.push_back({tag, sum.count});
+      continue;
+    }
     sight.ids.push_back(tag);
     auto& corners = sight.corners.emplace_back();
     for (const Eigen::Vector2d& corner : sum.corners) corners.emplace_back(corner / sum.count);
   }
+  sight.last = std::move(frame);
   return sight;
 }
 
@@ -245,22 +251,71 @@ tl::expected<TrustedFloor, std::string> solve_trusted_floor(const Calibration& i
   return floor;
 }
 
+namespace {
+
+/// The edge of a mark, as the picture shows it. [m]
+std::optional<double> size_of(const FloorMark& mark, const FloorSight& sight, const Calibration& floor) {
+  const auto found = std::find(sight.ids.begin(), sight.ids.end(), mark.tag);
+  if (mark.tag < 0 || found == sight.ids.end()) return {};
+  Corners corners{};
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    const Eigen::Vector2d& corner = sight.corners[static_cast<std::size_t>(found - sight.ids.begin())][k];
+    corners[k] = {corner.x(), corner.y()};
+  }
+  Calibration at_mark = floor;
+  at_mark.tag_height = mark.z;
+  const auto square = place_on_plane(at_mark, corners);
+  return square ? std::optional(square->edge) : std::nullopt;
+}
+
+}  // namespace
+
+std::string doubled_tags(const FloorSight& sight) {
+  if (sight.doubled.empty()) return {};
+  const bool one = sight.doubled.size() == 1;
+  return fmt::format("tag{} {} {} in frame {} twice; allowed: once", one ? "" : "s", fmt::join(sight.doubled, ", "),
+                     one ? "is" : "are", sight.last.source);
+}
+
+std::vector<std::string> why_not_seen(const FloorSight& sight, const std::vector<FloorMark>& marks,
+                                      const Calibration& floor) {
+  if (!sight.why_no_tag.empty()) return {sight.why_no_tag};
+  std::vector<std::string> sentences;
+  std::vector<MissingTag> missing;
+  std::vector<double> sizes;
+  for (const FloorMark& mark : marks) {
+    if (const auto size = size_of(mark, sight, floor)) sizes.push_back(*size);
+    if (mark.seen) continue;
+    const auto seldom = std::find_if(sight.seldom.begin(), sight.seldom.end(),
+                                     [&](const FloorSight::Seldom& one) { return one.tag == mark.tag; });
+    if (seldom != sight.seldom.end()) {
+      sentences.push_back(fmt::format(
+          "mark {} is seen in {} of {} frames only, and half are needed: keep the light steady and the floor clear",
+          mark.tag, seldom->frames, sight.frames));
+      continue;
+    }
+    missing.push_back({.tag = mark.tag, .mark = mark});
+    missing.back().mark->size = 0.0;  // no size is wrong here
+  }
+  Calibration of_marks = floor;
+  if (!sizes.empty()) {
+    const auto usual = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+    std::nth_element(sizes.begin(), usual, sizes.end());
+    of_marks.tag_size = *usual;
+  }
+  if (sight.frames == 0 || missing.empty()) return sentences;
+  for (std::string& one : mark_sentences(diagnose(sight.last, of_marks, missing), of_marks))
+    sentences.push_back(std::move(one));
+  return sentences;
+}
+
 std::vector<FloorMark> kept_marks(const TrustedFloor& floor, const std::vector<FloorMark>& marks,
                                   const FloorSight& sight) {
   std::vector<FloorMark> kept;
   for (const FloorMark& mark : marks) {
     if (&mark == floor.left_out) continue;
     FloorMark& mine = kept.emplace_back(mark);
-    const auto found = std::find(sight.ids.begin(), sight.ids.end(), mark.tag);
-    if (mark.tag < 0 || found == sight.ids.end()) continue;
-    Corners corners{};
-    for (std::size_t k = 0; k < corners.size(); ++k) {
-      const Eigen::Vector2d& corner = sight.corners[static_cast<std::size_t>(found - sight.ids.begin())][k];
-      corners[k] = {corner.x(), corner.y()};
-    }
-    Calibration at_mark = floor.calibration;
-    at_mark.tag_height = mark.z;
-    if (const auto square = place_on_plane(at_mark, corners)) mine.size = square->edge;
+    if (const auto size = size_of(mark, sight, floor.calibration)) mine.size = *size;
   }
   return kept;
 }

@@ -10,23 +10,41 @@
 #include <vector>
 
 #include "vision/calibration/calibration.h"
+#include "vision/frames/frame.h"
 #include "vision/frames/frame_source.h"
 
 namespace skein::vision {
 
 /// Looks for the marks' tags in up to `frames` frames of a source that does not move, and averages the positions of
-/// their corners. The error: the source's, a frame of another size than the calibration's, one id seen twice.
+/// their corners. Ends at a frame that shows one id twice. The error: the source's, a frame of another size than the
+/// calibration's.
 struct FloorSight {
   int frames = 0;
   std::vector<std::vector<Eigen::Vector2d>> corners;  // of each tag in `ids`: four means [px]
   std::vector<int> ids;
   std::string why_no_tag{};  // where no tag was found in any frame: see vision::why_no_tag, of the last one
+  struct Seldom {
+    int tag = 0, frames = 0;
+  };
+  std::vector<Seldom> seldom{};  // tags that were seen in fewer than half of the frames; not in `ids`
+  std::vector<int> doubled{};    // tags that the last frame shows twice; not in `ids`
+  Frame last{};                  // the last frame
 };
 tl::expected<FloorSight, std::string> look_at_floor(FrameSource& source, const Calibration& calibration, int frames,
                                                     const std::function<bool(int)>& keep_going = {});
 
 /// Copies what was seen into the marks; marks whose tags were not seen stay unchanged.
 void enter(const FloorSight& sight, std::vector<FloorMark>& marks);
+
+/// Empty, or which tags are there twice, so that nobody knows which one of the two is meant.
+std::string doubled_tags(const FloorSight& sight);
+
+/// Why marks were not seen, and where: sentences for people, without a full stop, one for all marks that have the same
+/// reason. `floor`: the calibration with the world frame that the other marks
+/// give; without a world frame nobody knows where the picture should show a mark. Takes up to a second; empty: all were
+/// seen.
+std::vector<std::string> why_not_seen(const FloorSight& sight, const std::vector<FloorMark>& marks,
+                                      const Calibration& floor);
 
 /// The residual of the calibration at one mark: the point that it computes from the pixel, on the mark's plane, minus
 /// the mark's place.

@@ -19,6 +19,7 @@
 namespace skein::vision {
 namespace {
 
+using detail::blur_sentence;
 using detail::blurred_edge;
 using detail::dark_grey;
 using detail::faint;
@@ -41,9 +42,6 @@ constexpr double whole_likeness = 0.95;
 // Of a whole tag that the tracker does not take: from here on, shape or size is the reason. AprilTag's corners make
 // less.
 constexpr double slight_misfit = 0.012, slight_size = 0.03;
-
-// A tag of 8 modules needs so many pixels to be decoded.
-constexpr double least_edge_px = 10.0;
 
 double edge_px_of(const Corners& corners) {
   double sum = 0.0;
@@ -87,8 +85,23 @@ bool near_border(const Frame& frame, const Calibration& calibration, const core:
          at->y() > frame.height - 1.0 - reach;
 }
 
+/// The calibration with the plane and the size that a missing tag has.
+Calibration plane_of(const MissingTag& tag, const Calibration& calibration) {
+  Calibration plane = calibration;
+  if (!tag.mark) return plane;
+  plane.tag_height = tag.mark->z;
+  if (tag.mark->size > 0.0) plane.tag_size = tag.mark->size;
+  return plane;
+}
+
+/// How far a pixel is from the border of a picture; negative: outside of it. [px]
+double depth_in_picture(const Eigen::Vector2d& at, int width, int height) {
+  return std::min({at.x(), at.y(), width - 1.0 - at.x(), height - 1.0 - at.y()});
+}
+
 /// Where a detection is and how it looks, into the answer.
 void describe(const Detection& seen, const Calibration& calibration, TagDiagnosis& answer) {
+  answer.pixels.push_back(middle_of(seen.corners));
   answer.crops.push_back(crop_around(middle_of(seen.corners), edge_px_of(seen.corners)));
   answer.edge_px = edge_px_of(seen.corners);
   answer.contrast = 2.0 * seen.decision_margin;
@@ -103,17 +116,20 @@ NotSeen reason_of(const Detection& seen, const Frame& frame, const Calibration& 
                   const TagDiagnosis& answer) {
   if (cut_by_border(frame, seen.corners)) return NotSeen::at_border;
   const auto place = place_on_plane(calibration, seen.corners);
-  if (!place || place->misfit > misfit_tolerance * place->edge)
+  const bool of_this_size = !answer.mark || answer.mark->size > 0.0;
+  if (calibration.world_from_camera && (!place || place->misfit > misfit_tolerance * place->edge))
     return seen.likeness < whole_likeness && answer.contrast >= least_contrast ? NotSeen::covered : NotSeen::tilted;
-  if (std::abs(place->edge / calibration.tag_size - 1.0) > size_tolerance) return NotSeen::wrong_size;
+  if (place && of_this_size && std::abs(place->edge / calibration.tag_size - 1.0) > size_tolerance)
+    return NotSeen::wrong_size;
   return answer.contrast < least_contrast ? NotSeen::in_shadow : NotSeen::covered;
 }
 
 /// Of a tag that would be called covered although all of it is there, in focus.
-NotSeen reason_of_whole(const Detection& seen, const Calibration& calibration) {
+NotSeen reason_of_whole(const Detection& seen, const Calibration& calibration, const TagDiagnosis& answer) {
   const auto place = place_on_plane(calibration, seen.corners);
   if (!place || seen.likeness < whole_likeness) return NotSeen::covered;
   if (place->misfit > slight_misfit * place->edge) return NotSeen::tilted;
+  if (answer.mark) return NotSeen::covered;
   return std::abs(place->edge / calibration.tag_size - 1.0) > slight_size ? NotSeen::wrong_size : NotSeen::covered;
 }
 
@@ -158,18 +174,35 @@ std::vector<FamilyTag> aruco_markers(const Frame& frame) {
   return most;
 }
 
-/// Tags that are not found, but would be in another family, in a mirror or in negative.
-void look_for_other_families(const std::vector<FamilyTag>& tags, const Calibration& calibration,
+/// What is found where a mark should be.
+bool in_its_place(const TagDiagnosis& mark, const Detection& seen) {
+  return mark.mark_at && (middle_of(seen.corners) - *mark.mark_at).norm() < mark.edge_px;
+}
+
+/// Tags that are not found, but would be in another family, in a mirror or in negative. In the place of a mark they may
+/// have another number.
+void look_for_other_families(const std::vector<FamilyTag>& tags, std::span<const Calibration> planes,
                              std::vector<TagDiagnosis>& answers) {
-  for (const FamilyTag& tag : tags) {
-    const auto answer = std::find_if(answers.begin(), answers.end(), [&](const TagDiagnosis& a) {
-      return a.tag == tag.seen.tag && a.why == NotSeen::not_found;
+  const auto take = [&](const FamilyTag& tag, const auto& is_it) {
+    for (std::size_t i = 0; i < answers.size(); ++i) {
+      TagDiagnosis& answer = answers[i];
+      if (answer.why != NotSeen::not_found || !is_it(answer)) continue;
+      describe(tag.seen, planes[i], answer);
+      answer.why = tag.family->name == in_mirror ? NotSeen::mirrored : NotSeen::other_family;
+      answer.family = tag.family->name;
+      if (tag.seen.tag != answer.tag) answer.other = tag.seen.tag;
+      return;
+    }
+  };
+  for (const FamilyTag& tag : tags)
+    take(tag, [&](const TagDiagnosis& answer) {
+      const bool same = tag.seen.tag == answer.tag;
+      return tag.family->name != in_36h11 && in_its_place(answer, tag.seen) && (same || !tag.family->has_ghosts);
     });
-    if (answer == answers.end()) continue;
-    describe(tag.seen, calibration, *answer);
-    answer->why = tag.family->name == in_mirror ? NotSeen::mirrored : NotSeen::other_family;
-    answer->family = tag.family->name;
-  }
+  for (const FamilyTag& tag : tags)
+    take(tag, [&](const TagDiagnosis& answer) {
+      return tag.seen.tag == answer.tag && !(answer.mark_at && tag.family->has_ghosts);
+    });
 }
 
 /// Tags that are not found, because the border of the picture cuts them.
@@ -177,7 +210,7 @@ void look_at_border(const Frame& frame, const Calibration& calibration, std::vec
   std::vector<TagDiagnosis*> asked;
   std::vector<int> tags;
   for (TagDiagnosis& answer : answers) {
-    if (answer.why != NotSeen::not_found) continue;
+    if (answer.why != NotSeen::not_found || answer.mark) continue;  // a mark's place tells
     asked.push_back(&answer);
     tags.push_back(answer.tag);
   }
@@ -198,18 +231,47 @@ struct Light {
   int brightest = 0;       // 99 % of the pixels are darker or equal
 };
 
-Light light_of(const Frame& frame) {
+/// The part must lie in the frame.
+Light light_of(const Frame& frame, const Window& part) {
   std::array<std::size_t, 256> count{};
-  for (const std::uint8_t grey : frame.grey) ++count[grey];
+  for (int v = part.top; v < part.top + part.height; ++v)
+    for (int u = part.left; u < part.left + part.width; ++u) ++count[frame.row(v)[u]];
   Light light;
   std::size_t above = 0;
-  const auto hundredth = frame.grey.size() / 100;
+  const std::size_t pixels = static_cast<std::size_t>(part.width) * static_cast<std::size_t>(part.height);
+  const auto hundredth = pixels / 100;
   for (int grey = 255; grey >= 0; --grey) {
     above += count[static_cast<std::size_t>(grey)];
-    if (grey == 250) light.saturated = static_cast<double>(above) / static_cast<double>(frame.grey.size());
+    if (grey == 250) light.saturated = static_cast<double>(above) / static_cast<double>(pixels);
     if (light.brightest == 0 && above > hundredth) light.brightest = grey;
   }
   return light;
+}
+
+/// What the place of a mark that nothing decodes as shows.
+void look_at_place(const Frame& frame, const std::vector<Detection>& found, TagDiagnosis& mark) {
+  constexpr double black_reach = 0.71;      // of its edge: a corner of the black square, however it is turned
+  constexpr double saturated_place = 0.75;  // share of the black square; half of a tag in good light is white
+  const double edge = mark.edge_px;
+  if (!mark.mark_at || depth_in_picture(*mark.mark_at, frame.width, frame.height) < black_reach * edge) {
+    mark.why = NotSeen::at_border;
+    mark.outside = !mark.mark_at || depth_in_picture(*mark.mark_at, frame.width, frame.height) < -black_reach * edge;
+    return;
+  }
+  const auto there =
+      std::find_if(found.begin(), found.end(), [&](const Detection& seen) { return in_its_place(mark, seen); });
+  if (there != found.end()) {
+    mark.other = there->tag;
+    return;
+  }
+  const int side = static_cast<int>(std::ceil(edge));
+  const Eigen::Vector2d corner = *mark.mark_at - Eigen::Vector2d(0.5 * edge, 0.5 * edge);
+  const Light light =
+      light_of(frame, within(frame, {static_cast<int>(corner.x()), static_cast<int>(corner.y()), side, side}));
+  if (light.saturated > saturated_place)
+    mark.why = NotSeen::too_bright;
+  else if (light.brightest < dark_grey)
+    mark.why = NotSeen::in_shadow;
 }
 
 /// How wide the edges of a blurred frame are [px]; none: they are sharp, or too few to tell.
@@ -223,24 +285,9 @@ std::optional<double> blur_of(const Frame& frame) {
   return *middle >= blurred_edge ? std::optional(*middle) : std::nullopt;
 }
 
-std::string blur_sentence(double edge_width) {
-  return fmt::format(
-      "the picture is blurred (its edges are {:.1f} px wide, those of a sharp one 2 to 3): turn the lens's focus, or "
-      "shorten the exposure",
-      edge_width);
-}
-
 bool any_not_found(const std::vector<TagDiagnosis>& answers) {
   return std::any_of(answers.begin(), answers.end(),
                      [](const TagDiagnosis& answer) { return answer.why == NotSeen::not_found; });
-}
-
-std::string millimetres(double metres) {
-  return fmt::format("{:.3g} mm", 1e3 * metres);
-}
-
-std::string place(const Eigen::Vector2d& at) {
-  return fmt::format("({:.2f}, {:.2f}) m", at.x(), at.y());
 }
 
 }  // namespace
@@ -248,21 +295,31 @@ std::string place(const Eigen::Vector2d& at) {
 std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibration,
                                    std::span<const MissingTag> missing) {
   std::vector<TagDiagnosis> answers;
-  for (const MissingTag& tag : missing) answers.push_back({.tag = tag.tag});
+  std::vector<Calibration> planes;
+  for (const MissingTag& tag : missing) {
+    const Calibration& plane = planes.emplace_back(plane_of(tag, calibration));
+    TagDiagnosis& answer = answers.emplace_back();
+    answer.tag = tag.tag;
+    answer.mark = tag.mark;
+    if (!tag.mark) continue;
+    answer.mark_at = pixel_from_world(calibration, {tag.mark->x, tag.mark->y, tag.mark->z});
+    answer.edge_px = tag_edge_px(plane);
+  }
   const std::vector<FamilyTag> tags = read_families(frame, faint);
   const std::vector<Detection> found = of_family(tags, in_36h11);
   const std::optional<double> usual = usual_edge(found, missing, calibration);
-  for (TagDiagnosis& answer : answers) {
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    TagDiagnosis& answer = answers[i];
     const Detection* one = nullptr;
     int times = 0;
     for (const Detection& seen : found) {
       if (seen.tag != answer.tag) continue;
       one = &seen;
       ++times;
-      describe(seen, calibration, answer);
+      describe(seen, planes[i], answer);
     }
-    if (times == 1) answer.why = reason_of(*one, frame, calibration, answer);
-    if (answer.why == NotSeen::covered && usual &&
+    if (times == 1) answer.why = reason_of(*one, frame, planes[i], answer);
+    if (answer.why == NotSeen::covered && usual && !answer.mark &&
         answer.size > (1.0 + lift_tolerance) * *usual * calibration.tag_size) {
       const double nearer = 1.0 - *usual * calibration.tag_size / answer.size;
       answer.above = nearer * (calibration.world_from_camera->position.z() - calibration.tag_height);
@@ -274,13 +331,12 @@ std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibr
     answer.others_fit = usual.has_value();
     if (times > 1) answer.why = NotSeen::doubled;
   }
-  look_for_other_families(tags, calibration, answers);
+  look_for_other_families(tags, planes, answers);
   const auto ever_seen = [](const MissingTag& tag) { return tag.last.has_value(); };
   if (found.empty() && std::none_of(missing.begin(), missing.end(), ever_seen) && any_not_found(answers))
-    look_for_other_families(aruco_markers(frame), calibration, answers);
+    look_for_other_families(aruco_markers(frame), planes, answers);
 
-  const Light light = light_of(frame);
-  const double expected_px = tag_edge_px(calibration);
+  const Light light = light_of(frame, {0, 0, frame.width, frame.height});
   for (std::size_t i = 0; i < answers.size(); ++i) {
     TagDiagnosis& answer = answers[i];
     // Where all of the picture is too dark or too bright, a tag that is not accepted lacks light above all: where white
@@ -299,15 +355,17 @@ std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibr
     if (answer.why == NotSeen::covered) {
       const auto one = std::find_if(found.begin(), found.end(),
                                     [&](const Detection& detection) { return detection.tag == answer.tag; });
-      answer.why = reason_of_whole(*one, calibration);
+      answer.why = reason_of_whole(*one, planes[i], answer);
     }
     if (answer.why != NotSeen::not_found) continue;
-    answer.edge_px = expected_px;
-    const auto& last = missing[i].last;
+    if (!answer.mark) answer.edge_px = tag_edge_px(planes[i]);
+    const auto last = answer.mark ? std::nullopt : missing[i].last;
     if (last)
       if (const auto at = pixel_from_world(calibration, {last->x, last->y, calibration.tag_height}))
-        answer.crops.push_back(crop_around(*at, expected_px));
-    if (expected_px < least_edge_px)
+        answer.crops.push_back(crop_around(*at, answer.edge_px));
+    if (answer.mark && calibration.world_from_camera) look_at_place(frame, found, answer);
+    if (answer.why != NotSeen::not_found || answer.other) continue;
+    if (calibration.world_from_camera && answer.edge_px < least_edge_px)
       answer.why = NotSeen::too_small;
     else if (light.saturated > saturated_share)
       answer.why = NotSeen::too_bright;
@@ -327,7 +385,7 @@ std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibr
   if (any_not_found(answers))
     if (const auto blur = blur_of(frame))
       for (TagDiagnosis& answer : answers) {
-        if (answer.why != NotSeen::not_found) continue;
+        if (answer.why != NotSeen::not_found || answer.other) continue;
         answer.why = NotSeen::blurred;
         answer.edge_width = *blur;
       }
@@ -397,86 +455,6 @@ std::string why_no_tag(const Frame& frame) {
   }
   return fmt::format("no tag is of the family 36h11, but {} look{} like {} ({}): print {} anew in 36h11", ids.size(),
                      ids.size() == 1 ? "s" : "", family, fmt::join(ids, ", "), ids.size() == 1 ? "it" : "them");
-}
-
-std::string sentence(const TagDiagnosis& d, const Calibration& calibration) {
-  const bool found = d.contrast > 0.0;
-  switch (d.why) {
-    case NotSeen::not_found:
-      return fmt::format("no tag {} is in the picture", d.tag);
-    case NotSeen::wrong_size: {
-      const double edge = std::round(1e3 * d.size) / 1e3;  // both numbers of the sentence are of the edge that it names
-      const double part = edge / calibration.tag_size - 1.0;
-      std::string seen =
-          fmt::format("tag {} is there, but its edge is {}, {:.0f} % {} than [tags] size {}", d.tag, millimetres(edge),
-                      100.0 * std::abs(part), part < 0.0 ? "smaller" : "larger", millimetres(calibration.tag_size));
-      if (!d.others_fit) return seen + ": correct the size, or [tags] height if all robots' tags are off by as much";
-      return seen + ", which fits the other tags: print it anew" +
-             (part < 0.0 ? "" : ", or put its robot down if it is held up");
-    }
-    case NotSeen::lifted: {
-      if (d.change != 0.0)
-        return fmt::format(
-            "tag {} is there, but looks {:.1f} % {} than a few seconds before: it is about {:.0f} mm {}, or the camera "
-            "or its zoom has moved",
-            d.tag, 100.0 * std::abs(d.change), d.change > 0.0 ? "larger" : "smaller", 1e3 * std::abs(d.above),
-            d.change > 0.0 ? "higher" : "lower");
-      const std::string seen =
-          fmt::format("tag {} is there, but looks larger than the other tags: it is about {:.0f} mm above them", d.tag,
-                      1e3 * d.above);
-      if (d.printed == 0.0) return seen + ". Is the robot held up, or its tag on another plate?";
-      return fmt::format(
-          "{}, or printed about {:.0f} % too large. Is the robot held up, its tag on another plate, or its print "
-          "scaled?",
-          seen, 100.0 * (d.printed / calibration.tag_size - 1.0));
-    }
-    case NotSeen::tilted:
-      return fmt::format("tag {} is there, but does not lie flat at [tags] height {}", d.tag,
-                         millimetres(calibration.tag_height));
-    case NotSeen::doubled: {
-      std::string where;
-      for (std::size_t i = 0; i < d.places.size(); ++i)
-        where += (i == 0 ? "" : i + 1 == d.places.size() ? " and " : ", ") + place(d.places[i]);
-      return fmt::format("tag {} is there {}, at {}: give one of the robots another tag", d.tag,
-                         d.places.size() == 2 ? "twice" : "more than once", where);
-    }
-    case NotSeen::covered:
-      return fmt::format("tag {} is there, but part of it is covered or blurred", d.tag);
-    case NotSeen::at_border:
-      return fmt::format("the border of the picture cuts tag {}: move the robot inwards", d.tag);
-    case NotSeen::too_small:
-      return fmt::format("tag {} cannot be read: a tag of {} has {:.1f} px in this picture, and {:.0f} are needed",
-                         d.tag, millimetres(calibration.tag_size), d.edge_px, least_edge_px);
-    case NotSeen::too_bright:
-      return found
-                 ? fmt::format("tag {} is there, but much of the picture is too bright: lower the exposure", d.tag)
-                 : fmt::format("no tag {} is in the picture, and much of the picture is too bright: lower the exposure",
-                               d.tag);
-    case NotSeen::in_shadow:
-      if (!found)
-        return fmt::format(
-            "no tag {} is in the picture, and the picture is dark: is the lamp on, is the lens free? Or raise the "
-            "exposure",
-            d.tag);
-      return d.contrast < least_contrast
-                 ? fmt::format(
-                       "tag {} is there, but in shadow: {:.0f} grey levels between ink and paper, "
-                       "and {:.0f} are needed",
-                       d.tag, d.contrast, least_contrast)
-                 : fmt::format("tag {} is there, but the picture is dark: raise the exposure", d.tag);
-    case NotSeen::blurred:
-      return fmt::format("no tag {} is found, and {}", d.tag, blur_sentence(d.edge_width));
-    case NotSeen::mirrored:
-      return fmt::format("tag {} is there, but mirrored: switch the camera's mirror off", d.tag);
-    case NotSeen::other_family:
-      if (d.family == in_negative)
-        return fmt::format(
-            "tag {} is there, but in negative, black and white exchanged: print it anew, or switch the camera's "
-            "negative effect off",
-            d.tag);
-      return fmt::format("tag {} looks like {} of the family {}: print it anew in 36h11", d.tag, d.tag, d.family);
-  }
-  return {};
 }
 
 }  // namespace skein::vision

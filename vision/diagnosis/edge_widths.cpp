@@ -1,5 +1,7 @@
 #include "vision/diagnosis/edge_widths.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -37,6 +39,13 @@ void edge_widths(const Frame& frame, const Window& part, double noise, std::vect
     along(frame.row(v) + left, 1, frame.width, right - left);
   for (int u = std::max(1, left); u < std::min(right, frame.width - 1); u += 2)
     along(frame.row(top) + u, frame.width, 1, bottom - top);
+}
+
+std::string blur_sentence(double edge_width) {
+  return fmt::format(
+      "the picture is blurred (its edges are {:.1f} px wide, those of a sharp one 2 to 3): turn the lens's focus, or "
+      "shorten the exposure",
+      edge_width);
 }
 
 }  // namespace skein::vision::detail

@@ -65,7 +65,10 @@ MarkSight MarkWatch::judge(const std::vector<Detection>& found) const {
   double all = 0.0, elsewhere = 0.0;
   for (const Mark& mark : marks_) {
     const auto by = displacement(mark, found);
-    if (!by) continue;
+    if (!by) {
+      sight.missing.push_back(mark.tag);
+      continue;
+    }
     places.push_back(mark.place);
     displaced.push_back(*by);
     const double distance = by->norm();
@@ -100,6 +103,17 @@ MarkSight MarkWatch::judge(const std::vector<Detection>& found) const {
   else
     sight.state = State::unclear;
   return sight;
+}
+
+std::vector<MissingTag> MarkWatch::missing() const {
+  std::vector<MissingTag> missing;
+  for (const Mark& mark : marks_) {
+    if (!last_ || std::find(last_->missing.begin(), last_->missing.end(), mark.tag) == last_->missing.end()) continue;
+    const FloorMark asked{
+        .tag = mark.tag, .x = mark.place.x(), .y = mark.place.y(), .z = mark.height, .size = mark.size};
+    missing.push_back({.tag = mark.tag, .last = core::Pose{asked.x, asked.y, 0.0}, .mark = asked});
+  }
+  return missing;
 }
 
 bool MarkWatch::update(const Frame& frame) {

@@ -7,6 +7,7 @@
 
 #include "vision/calibration/calibration.h"
 #include "vision/detector/detector.h"
+#include "vision/diagnosis/diagnosis.h"
 #include "vision/diagnosis/lasting_fault.h"
 #include "vision/frames/frame.h"
 
@@ -23,9 +24,10 @@ struct MarkSight {
   };
   State state = State::too_few;
   std::size_t marks = 0, seen = 0;
-  std::vector<int> moved{};  // tags that are elsewhere
-  double by = 0.0;           // mean displacement of these, or of all seen marks if none moved [m]
-  double turn = 0.0;         // of all seen marks about their middle, counter-clockwise [rad]
+  std::vector<int> moved{};    // tags that are elsewhere
+  std::vector<int> missing{};  // tags that are not seen
+  double by = 0.0;             // mean displacement of these, or of all seen marks if none moved [m]
+  double turn = 0.0;           // of all seen marks about their middle, counter-clockwise [rad]
 };
 
 /// Whether this state tells if the camera has moved; one that does not leaves the last known state in force.
@@ -60,6 +62,8 @@ class MarkWatch {
   const std::optional<MarkSight>& known() const noexcept { return known_; }
   /// The newest sight differs from the known state and is not confirmed yet: look again soon.
   bool doubts() const noexcept { return doubts_; }
+  /// The marks that the newest sight lacks, as `diagnose` asks for them.
+  std::vector<MissingTag> missing() const;
   /// The newest sight, if for `patience` none has told whether the camera has moved since one did; null otherwise.
   const MarkSight* blind() const noexcept { return blind_ ? &*last_ : nullptr; }
 

@@ -15,7 +15,10 @@
 namespace skein::app {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using ::testing::StartsWith;
 
 /// Five tags are asked for, at the corners and in the middle of the floor.
@@ -54,8 +57,35 @@ class FloorSurveyErrors : public ::testing::Test {
 };
 
 TEST_F(FloorSurveyErrors, NameTheTagsThatAreNotSeen) {
-  EXPECT_EQ(error_of(picture(3)), "3 of 5 marks are seen; needed: 4 or more; not seen: tag 23, tag 24");
+  EXPECT_EQ(error_of(picture(3)),
+            "3 of 5 marks are seen; needed: 4 or more; marks 23, 24 are not seen: no such tag is in the picture: "
+            "uncover it, or move it into the picture");
   EXPECT_EQ(error_of(picture(4)), "") << "the control";
+}
+
+TEST_F(FloorSurveyErrors, NameATagThatIsThereTwice) {
+  const FloorTag other = question.tags[4];
+  question.tags.push_back(question.tags[3]);
+  question.tags.back().x = other.x + 0.5;
+  const vision::Frame twice = picture(6);
+  question.tags.pop_back();
+  const std::string error = error_of(twice);
+  EXPECT_THAT(error, StartsWith("tag 23 is in frame 0.pgm twice; allowed: once; mark 23 is not seen: it is there twice "
+                                "at (-0.90, -0.60) m, pixel ("));
+  EXPECT_THAT(error, HasSubstr(") and (0.60, -0.60) m, pixel ("));
+  EXPECT_THAT(error, EndsWith("take away what does not lie at (-0.90, -0.60) m"));
+}
+
+/// Where the others are enough, the one that is missing is named all the same.
+TEST_F(FloorSurveyErrors, ATagThatTheOthersDoWithoutIsNamedWithItsReason) {
+  ASSERT_EQ(error_of(picture(4)), "");
+  const auto survey = survey_floor(question, never);
+  ASSERT_TRUE(survey) << survey.error();
+  EXPECT_THAT(survey->unseen,
+              ElementsAre(StartsWith("mark 24 is not seen: nothing can be read at (0.10, 0.10) m, pixel "
+                                     "(")));
+  ASSERT_EQ(error_of(picture(5)), "");
+  EXPECT_THAT(survey_floor(question, never)->unseen, IsEmpty()) << "the control";
 }
 
 TEST_F(FloorSurveyErrors, SayWhyNoTagIsSeen) {

@@ -1,6 +1,8 @@
 // What marks on the floor tell of their camera, one frame after the other.
 #include "vision/diagnosis/mark_watch.h"
 
+#include <functional>
+
 #include "tests/vision/support.h"
 #include "vision/synthetic/synthetic_camera.h"
 
@@ -188,6 +190,45 @@ TEST(MarkWatch, AMarkThatIsHalfHiddenIsNotSeen) {
     least = std::min(least, watch.known()->seen);
   }
   EXPECT_EQ(least, 4U) << "the control: it was hidden";
+}
+
+/// Each reason is that of a mark: its own place, size and height, and nothing about robots.
+TEST(MarkWatch, SaysOfAMarkThatIsMissingWhyAndWhere) {
+  const auto why = [](const std::function<void(MarkedFloor&)>& change) {
+    MarkedFloor floor;
+    MarkWatch watch(floor.calibration, {});
+    change(floor);
+    watch.update(floor.seen());
+    const std::vector<MissingTag> missing = watch.missing();
+    EXPECT_EQ(missing.size(), 1U);
+    if (missing.empty()) return std::string();
+    return sentence(diagnose(floor.frame, floor.calibration, missing).front(), floor.calibration);
+  };
+  const std::string at = " at (0.10, 0.10) m, pixel (69", mark = "mark 24 is not seen: ";
+  const auto begins = [&](const std::string& said, const std::string& reason) {
+    EXPECT_TRUE(said.starts_with(mark + reason + at)) << said;
+    EXPECT_EQ(said.find("robot"), std::string::npos) << said;
+  };
+  begins(why([](MarkedFloor& floor) { floor.hide(4); }), "nothing can be read");
+  begins(why([](MarkedFloor& floor) { floor.tags[4].size = 0.05; }), "its edge is 50 mm");
+  begins(why([](MarkedFloor& floor) { floor.tags.push_back(floor.tags[4]), floor.tags[5].pose.x += 0.5; }),
+         "it is there twice");
+  const std::string aside =
+      why([](MarkedFloor& floor) { floor.discs = {{.x = 0.155, .y = 0.1, .radius = 0.035, .height = 0.0}}; });
+  EXPECT_TRUE(aside.starts_with(mark + "part of it is covered or blurred at (") ||
+              aside.starts_with(mark + "nothing can be read" + at))
+      << aside;
+  // In a shadow that leaves three grey levels, and on a box of 20 cm that the calibration knows of.
+  begins(why([](MarkedFloor& floor) {
+           floor.discs = {{.x = 0.1, .y = 0.1, .radius = 0.09, .height = 0.0, .grey = 0.0, .cover = 0.995}};
+         }),
+         "the picture is dark");
+  const std::string on_a_box = why([](MarkedFloor& floor) {
+    floor.tags[4].lifted += 0.2;
+    floor.tags[4].size = 0.05;
+    floor.calibration.marks[4].z = 0.2;
+  });
+  EXPECT_TRUE(on_a_box.starts_with(mark + "its edge is")) << on_a_box;
 }
 
 TEST(MarkWatch, GoesByThePixelsOfTheCalibrationAndNotByWhatATapeMeasureSaid) {
