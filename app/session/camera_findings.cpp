@@ -278,6 +278,7 @@ std::optional<std::size_t> CameraFindings::whose_marks(const vision::Frame& fram
 std::string CameraFindings::why_marks_are_missing(const vision::Frame& frame, bool may_search) {
   const std::vector<vision::MissingTag> missing = mark_watch_.missing();
   std::vector<int> ids;
+  ids.reserve(missing.size());
   for (const vision::MissingTag& mark : missing) ids.push_back(mark.tag);
   if (asks_why_ && may_search) {
     asks_why_ = false;

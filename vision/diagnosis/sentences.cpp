@@ -109,11 +109,12 @@ std::vector<std::string> mark_sentences(std::span<const TagDiagnosis> marks, con
     std::string reason = reason_of_mark(mark, calibration);
     const auto same = std::find_if(reasons.begin(), reasons.end(), [&](const auto& r) { return r.first == reason; });
     if (same == reasons.end())
-      reasons.push_back({std::move(reason), {mark.tag}});
+      reasons.emplace_back(std::move(reason), std::vector{mark.tag});
     else
       same->second.push_back(mark.tag);
   }
   std::vector<std::string> sentences;
+  sentences.reserve(reasons.size());
   for (const auto& [reason, ids] : reasons)
     sentences.push_back(fmt::format("mark{} {} {} not seen: {}", ids.size() == 1 ? "" : "s", fmt::join(ids, ", "),
                                     ids.size() == 1 ? "is" : "are", reason));
