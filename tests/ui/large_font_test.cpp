@@ -1,5 +1,7 @@
 // Fonts of the desktop from small to three times as large, on the screen of this process: ctest runs it on several
 // (CMakeLists.txt). STOP is whole, and the arena can be used.
+#include <QAbstractButton>
+#include <QAbstractSpinBox>
 #include <QApplication>
 #include <QDockWidget>
 #include <QScreen>
@@ -85,6 +87,32 @@ TEST_P(LargeFont, OpensInsideTheScreenWhatWasArrangedWithASmallOne) {
   after.close();
   EXPECT_TRUE(eventually([&] { return !after.isVisible(); }));
   settings().remove(QStringLiteral("geometry"));
+}
+
+TEST_P(LargeFont, ShowsWholeWhatSetsALawsParameters) {
+  for (const char* law : {"leader_follower", "virtual_structure"}) {
+    const auto experiment =
+        app::parse_experiment(app::paper_experiment().source, "platoon.toml", {std::string("controller.kind=") + law});
+    ASSERT_TRUE(experiment) << law;
+    ASSERT_TRUE(eventually([&] { return !live().is_busy(); }));
+    start(*experiment);
+    window.resize(screen());
+    find<QDockWidget>("gains_dock")->raise();
+    const auto* panel = find<QWidget>("gains");
+    const QWidget* room = panel->parentWidget();
+    const auto sticks_out = [&] {  // what nobody could scroll to
+      std::string names;
+      for (const QWidget* part : panel->findChildren<QWidget*>()) {
+        const QRect there(part->mapTo(room, QPoint()), part->size());
+        const bool matters = qobject_cast<const QAbstractSpinBox*>(part) || qobject_cast<const QAbstractButton*>(part);
+        if (part->isVisibleTo(panel) && matters && (there.left() < 0 || there.right() >= room->width()))
+          names += " " + part->objectName().toStdString();
+      }
+      return names;
+    };
+    EXPECT_TRUE(eventually([&] { return sticks_out().empty(); })) << law << ":" << sticks_out();
+    expect_all_well(screen());
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, LargeFont, ::testing::Values(8, 10, 14, 20, 28),

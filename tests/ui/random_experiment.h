@@ -23,9 +23,10 @@ const auto& any_of_these(const Container& these, core::Random& random) {
 /// An experiment of the shipped ones, with a few of its keys changed at random: seconds long, without any hardware.
 inline app::Experiment random_experiment(core::Random& random) {
   static const std::vector<std::string> shipped = {
-      "antipodal-swap-10", "antipodal-swap-4", "corner-blends", "crossing", "crowd",         "diamond-to-line",
-      "kidnap",            "lemniscate",       "mixed",         "obstacles", "open-loop",    "parking",
-      "platoon",           "platoon",          "uncoupled",     "unequal-speeds", "two-cameras", "platoon-loopback"};
+      "antipodal-swap-10", "antipodal-swap-4", "corner-blends",   "crossing", "crowd",
+      "diamond-to-line",   "kidnap",           "lemniscate",      "mixed",    "obstacles",
+      "open-loop",         "parking",          "platoon",         "platoon",  "uncoupled",
+      "unequal-speeds",    "two-cameras",      "platoon-loopback"};
   static const std::vector<std::string> changes = {"rate=10",
                                                    "rate=50",
                                                    "failure.link_lost=others_go_on",

@@ -69,7 +69,7 @@ class RandomOperator : public QObject {
                                      {10, &RandomOperator::press_key},       {3, &RandomOperator::resize},
                                      {2, &RandomOperator::change_font},      {4, &RandomOperator::move_dock},
                                      {4, &RandomOperator::close_dialog},     {3, &RandomOperator::open_something},
-                                     {8, &RandomOperator::drive_run}};
+                                     {22, &RandomOperator::drive_run}};
     double all = 0.0;
     for (const Kind& kind : kinds) all += kind.share;
     double at = all * random_.uniform();
@@ -85,7 +85,8 @@ class RandomOperator : public QObject {
   std::vector<QWidget*> windows() const {
     std::vector<QWidget*> found;
     for (QWidget* widget : QApplication::topLevelWidgets())
-      if (widget->isVisible() && widget != &window_ && is_one_of(widget->windowType(), Qt::Dialog, Qt::Tool, Qt::Window))
+      if (widget->isVisible() && widget != &window_ &&
+          is_one_of(widget->windowType(), Qt::Dialog, Qt::Tool, Qt::Window))
         found.push_back(widget);
     found.push_back(&window_);
     return found;
@@ -259,7 +260,8 @@ class RandomOperator : public QObject {
       case 3: {
         tell(QStringLiteral("wheel on ") + where);
         const QPoint notches = QPoint(likely(0.2) ? 120 : 0, (below(2) * 2 - 1) * (1 + below(20)) * 40);
-        QWheelEvent wheel(place, at->mapToGlobal(place), {}, notches, Qt::NoButton, modifiers, Qt::NoScrollPhase, false);
+        QWheelEvent wheel(place, at->mapToGlobal(place), {}, notches, Qt::NoButton, modifiers, Qt::NoScrollPhase,
+                          false);
         QApplication::sendEvent(at, &wheel);
         return;
       }
@@ -326,11 +328,11 @@ class RandomOperator : public QObject {
   }
 
   void press_key() {
-    static const Qt::Key keys[] = {Qt::Key_Tab,    Qt::Key_Tab,  Qt::Key_Backtab, Qt::Key_Return,   Qt::Key_Up,
-                                   Qt::Key_Down,   Qt::Key_Left, Qt::Key_Right,   Qt::Key_PageUp,   Qt::Key_PageDown,
-                                   Qt::Key_Home,   Qt::Key_End,  Qt::Key_Delete,  Qt::Key_Insert,   Qt::Key_Plus,
-                                   Qt::Key_Minus,  Qt::Key_F5,   Qt::Key_F6,      Qt::Key_F11,      Qt::Key_F2,
-                                   Qt::Key_A,      Qt::Key_O,    Qt::Key_R,       Qt::Key_5,        Qt::Key_Backspace,
+    static const Qt::Key keys[] = {Qt::Key_Tab,    Qt::Key_Tab,  Qt::Key_Backtab, Qt::Key_Return, Qt::Key_Up,
+                                   Qt::Key_Down,   Qt::Key_Left, Qt::Key_Right,   Qt::Key_PageUp, Qt::Key_PageDown,
+                                   Qt::Key_Home,   Qt::Key_End,  Qt::Key_Delete,  Qt::Key_Insert, Qt::Key_Plus,
+                                   Qt::Key_Minus,  Qt::Key_F5,   Qt::Key_F6,      Qt::Key_F11,    Qt::Key_F2,
+                                   Qt::Key_A,      Qt::Key_O,    Qt::Key_R,       Qt::Key_5,      Qt::Key_Backspace,
                                    Qt::Key_Escape, Qt::Key_Menu, Qt::Key_Enter,   Qt::Key_F4};
     QWidget* in = any_window();
     Qt::Key key = any_of_these(keys, random_);
@@ -352,8 +354,8 @@ class RandomOperator : public QObject {
   }
 
   void resize() {
-    static const QSize sizes[] = {{1, 1},      {300, 3000}, {4000, 200},  {784, 552},
-                                  {1024, 768}, {1280, 800}, {1920, 1080}, {3840, 2160}};
+    static const QSize sizes[] = {{1, 1},      {300, 3000}, {4000, 200}, {784, 552},
+                                  {1024, 768}, {1280, 800}, {1366, 768}, {1900, 1040}};
     const QSize size = any_of_these(sizes, random_);
     QWidget* in = any_window();
     tell(QStringLiteral("resize %1 to %2 x %3").arg(name_of(in)).arg(size.width()).arg(size.height()));
@@ -420,37 +422,34 @@ class RandomOperator : public QObject {
     }
     const app::Experiment experiment = random_experiment(random_);
     if (likely(0.2)) {
-      const QString file = written(QStringLiteral("written-%1.toml").arg(below(3)),
-                                   likely(0.3) ? experiment.source.substr(0, experiment.source.size() / 2) + "= 3\n"
-                                               : experiment.source);
+      const QString file = written(
+          QStringLiteral("written-%1.toml").arg(below(3)),
+          likely(0.3) ? experiment.source.substr(0, experiment.source.size() / 2) + "= 3\n" : experiment.source);
       tell(QStringLiteral("open ") + file);
       return window_.open_file(file);
     }
     const bool at_once = likely(0.5);
-    tell(QStringLiteral("open %1%2").arg(QString::fromStdString(experiment.name),
-                                         at_once ? QStringLiteral(", started") : QString()));
+    tell(QStringLiteral("open %1%2")
+             .arg(QString::fromStdString(experiment.name), at_once ? QStringLiteral(", started") : QString()));
     window_.open(experiment, at_once);
   }
 
   /// What brings a run on: random clicks alone would leave most of them at their beginning.
   void drive_run() {
     static const double speeds[] = {0.1, 0.5, 1.0, 5.0, 20.0, 50.0};
-    switch (below(6)) {
-      case 0:
-      case 1:
-      case 2:
-        tell(QStringLiteral("go"));
-        return window_.go();
-      case 3:
-        tell(QStringLiteral("speed"));
-        return window_.set_speed(any_of_these(speeds, random_));
-      case 4:
-        tell(QStringLiteral("save CSV"));
-        return window_.save_csv(QDir(folder_).filePath(QStringLiteral("saved-%1.csv").arg(below(3))));
-      default:
-        tell(QStringLiteral("new run"));
-        return window_.new_run();
+    if (likely(0.15)) {
+      tell(QStringLiteral("speed"));
+      return window_.set_speed(any_of_these(speeds, random_));
     }
+    if (likely(0.15)) {
+      tell(QStringLiteral("save CSV"));
+      return window_.save_csv(QDir(folder_).filePath(QStringLiteral("saved-%1.csv").arg(below(3))));
+    }
+    auto* go = window_.findChild<QPushButton*>(QStringLiteral("go"));
+    const bool drives = window_.live().phase() == app::Phase::running;
+    if (!go->isEnabled() || (drives && likely(0.8))) return;
+    tell(QStringLiteral("go on: %1").arg(go->text()));
+    go->click();
   }
 
   /// Whether there was one.
@@ -460,8 +459,10 @@ class RandomOperator : public QObject {
       QString file = any_file();
       const bool saves = dialog->acceptMode() == QFileDialog::AcceptSave;
       if (saves)
-        file = QDir(folder_).filePath(QStringLiteral("chosen-%1.%2").arg(below(3)).arg(
-            dialog->defaultSuffix().isEmpty() ? QStringLiteral("toml") : dialog->defaultSuffix()));
+        file = QDir(folder_).filePath(
+            QStringLiteral("chosen-%1.%2")
+                .arg(below(3))
+                .arg(dialog->defaultSuffix().isEmpty() ? QStringLiteral("toml") : dialog->defaultSuffix()));
       if (file.isEmpty() || likely(0.3)) {
         tell(QStringLiteral("reject ") + dialog->objectName());
         dialog->reject();
@@ -498,7 +499,7 @@ class RandomOperator : public QObject {
       popup->close();
       return;
     }
-    static const Qt::Key keys[] = {Qt::Key_Down, Qt::Key_Down, Qt::Key_Down, Qt::Key_Up,
+    static const Qt::Key keys[] = {Qt::Key_Down,  Qt::Key_Down, Qt::Key_Down,   Qt::Key_Up,
                                    Qt::Key_Right, Qt::Key_Left, Qt::Key_Return, Qt::Key_Escape};
     const Qt::Key key = any_of_these(keys, of_menus_);
     const auto* menu = qobject_cast<QMenu*>(popup);

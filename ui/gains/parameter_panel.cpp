@@ -82,7 +82,8 @@ void ParameterPanel::add_row(const app::LawParameter& of) {
   const QString name = QString::fromStdString(of.name), unit = QString::fromStdString(of.unit);
   const QString allowed = has_range(of) ? tr("%1 to %2").arg(of.low).arg(of.high) : QString();
   row.label = std::make_unique<QLabel>(name, this);
-  row.range = std::make_unique<QLabel>(allowed, this);
+  row.range = std::make_unique<ElidingLabel>(this);
+  row.range->setText(allowed);
   row.range->setAccessibleName(tr("%1 is allowed from %2").arg(name, allowed));
   row.range->setForegroundRole(QPalette::PlaceholderText);
   row.field = std::make_unique<NumberField>(this);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "app/experiment/controller_spec.h"
+#include "ui/base/eliding_label.h"
 #include "ui/base/number_field.h"
 #include "ui/gains/gain_slider.h"
 
@@ -44,7 +45,8 @@ class ParameterPanel final : public QWidget {
   struct Row {
     app::LawParameter of;   // its value: in force, or requested
     double exponent = 1.0;  // of the slider's scale
-    std::unique_ptr<QLabel> label, range;
+    std::unique_ptr<QLabel> label;
+    std::unique_ptr<ElidingLabel> range;  // the field must stay whole in a narrow column: the tip says it, too
     std::unique_ptr<NumberField> field;
     std::unique_ptr<LimitSlider> slider;  // null: no range
     std::unique_ptr<QTimer> rest;         // a drag along the slider is one request

@@ -8,6 +8,7 @@
 #include <QScrollBar>
 #include <QTimer>
 #include <algorithm>
+#include <utility>
 
 #include "ui/base/dialogs.h"
 
@@ -16,17 +17,28 @@ namespace {
 
 constexpr int layout_version = 2;  // of the docks: a layout of another version is not restored
 
-/// The panel in as much room as there is: what is higher scrolls.
-QScrollArea* scrolling(QWidget* panel) {
-  auto* area = new QScrollArea;
-  area->setWidget(panel);
-  area->setWidgetResizable(true);
-  area->setFrameShape(QFrame::NoFrame);
-  area->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
-  area->setFocusPolicy(Qt::NoFocus);
-  area->setMinimumWidth(panel->minimumSizeHint().width() + area->verticalScrollBar()->sizeHint().width());
-  return area;
-}
+/// The panel in as much room as there is: what is higher scrolls. Never narrower than the panel, which may come to need
+/// more than at first: the parameters of another law, a larger font.
+class Scrolling final : public QScrollArea {
+ public:
+  explicit Scrolling(QWidget* panel) {
+    setWidget(panel);
+    setWidgetResizable(true);
+    setFrameShape(QFrame::NoFrame);
+    setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+    setFocusPolicy(Qt::NoFocus);
+    take_width();
+  }
+
+ protected:
+  bool event(QEvent* event) override {
+    if (event->type() == QEvent::LayoutRequest) take_width();
+    return QScrollArea::event(event);
+  }
+
+ private:
+  void take_width() { setMinimumWidth(widget()->minimumSizeHint().width() + verticalScrollBar()->sizeHint().width()); }
+};
 
 int least_width(const QDockWidget* dock) {
   return std::max(dock->minimumWidth(), dock->minimumSizeHint().width());
@@ -40,7 +52,8 @@ void bring_forward(QDockWidget* dock) {
 }
 
 DockLayout::DockLayout(const Panels& panels, QMainWindow* window) : QObject(window), window_(window) {
-  gains_ = dock(scrolling(panels.gains), tr("Coupling gains"), QStringLiteral("gains_dock"), Qt::LeftDockWidgetArea);
+  gains_ =
+      dock(new Scrolling(panels.gains), tr("Coupling gains"), QStringLiteral("gains_dock"), Qt::LeftDockWidgetArea);
   plots_ = dock(panels.plots, tr("Plots"), QStringLiteral("plots_dock"), Qt::RightDockWidgetArea);
   robots_ = dock(panels.robots, tr("Robots"), QStringLiteral("robots_dock"), Qt::BottomDockWidgetArea);
   results_ = dock(panels.results, tr("Results"), QStringLiteral("results_dock"), Qt::BottomDockWidgetArea);
@@ -125,6 +138,10 @@ void DockLayout::fit() {
 }
 
 bool DockLayout::eventFilter(QObject* watched, QEvent* event) {
+  // Both columns may have no room any more beside the arena.
+  if (event->type() == QEvent::LayoutRequest && watched == gains_ &&
+      std::exchange(gains_need_, least_width(gains_)) != least_width(gains_))
+    QTimer::singleShot(0, this, &DockLayout::stack_columns);
   if (event->type() == QEvent::Resize) {
     if (watched == window_)
       QTimer::singleShot(0, this, &DockLayout::on_window_resized);  // once the layout is done

@@ -57,6 +57,7 @@ class DockLayout final : public QObject {
   QDockWidget *gains_, *plots_, *robots_, *events_, *results_;
   std::map<QDockWidget*, QSize> sizes_;  // the usual or the operator's, in a window of this size:
   QSize sized_in_, settled_;
+  int gains_need_ = 0;     // width, at least
   bool stacked_ = false;   // plots behind the gains, by stack_columns
   bool restored_ = false;  // the sizes of the last time hold, once the window is seen
 };
