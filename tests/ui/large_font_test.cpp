@@ -5,10 +5,13 @@
 #include <QApplication>
 #include <QDockWidget>
 #include <QScreen>
+#include <cmath>
+#include <optional>
 
 #include "operator.h"
 #include "ui/base/dialogs.h"
 #include "ui/base/settings.h"
+#include "ui/plots/plot_view.h"
 
 namespace skein::ui::test {
 namespace {
@@ -113,6 +116,34 @@ TEST_P(LargeFont, ShowsWholeWhatSetsALawsParameters) {
     EXPECT_TRUE(eventually([&] { return sticks_out().empty(); })) << law << ":" << sticks_out();
     expect_all_well(screen());
   }
+}
+
+TEST_P(LargeFont, KeepsTheNumbersAtTheAxesOfPlotsApart) {
+  const QFont of_desktop = QApplication::font();
+  QFont small = of_desktop;
+  small.setPointSize(10);
+  QApplication::setFont(small);
+  start();
+  window.resize(screen());
+  QApplication::setFont(of_desktop);  // the desktop's may change while the window is there
+  const auto* plots = find<PlotView>("plot");
+  const auto crowded = [&] {
+    for (const QCPAxisRect* rect : plots->axisRects()) {
+      const QCPAxis* value = rect->axis(QCPAxis::atLeft);
+      const QFontMetrics letters(value->tickLabelFont());
+      std::optional<double> before;
+      for (const double tick : value->tickVector()) {
+        if (!value->range().contains(tick)) continue;
+        const double at = value->coordToPixel(tick);
+        if (before && std::abs(at - *before) < letters.capHeight()) return true;
+        before = at;
+      }
+    }
+    return false;
+  };
+  const auto* first = plots->axisRects().first()->axis(QCPAxis::atLeft);
+  EXPECT_TRUE(eventually([&] { return first->tickLabelFont().pointSize() == GetParam(); }));
+  EXPECT_TRUE(eventually([&] { return !crowded(); })) << "numbers lie over one another";
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, LargeFont, ::testing::Values(8, 10, 14, 20, 28),

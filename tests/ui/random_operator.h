@@ -234,7 +234,15 @@ class RandomOperator : public QObject {
       QApplication::sendEvent(in, &move);
       if (still && k == 2 && likely(0.2)) QTest::qWait(below(80));
     }
-    if (still) QTest::mouseRelease(in, button, modifiers, to);
+    // QTest remembers the buttons that are down: also where what was pressed is gone.
+    QTest::mouseRelease(still ? still.data() : &window_, button, modifiers, to);
+  }
+  void click_twice(QWidget* at, Qt::MouseButton button, Qt::KeyboardModifiers modifiers, QPoint place) {
+    const QPointer<QWidget> still(at);
+    QTest::mouseClick(at, button, modifiers, place);
+    if (!still) return;
+    QTest::mouseDClick(at, button, modifiers, place);
+    QTest::mouseRelease(still ? still.data() : &window_, button, modifiers, place);
   }
 
   /// Anything that a mouse does, to this widget.
@@ -256,7 +264,7 @@ class RandomOperator : public QObject {
         return QTest::mouseClick(at, button, modifiers, place);
       case 2:
         tell(QStringLiteral("click twice on ") + where);
-        return QTest::mouseDClick(at, button, modifiers, place);
+        return click_twice(at, button, modifiers, place);
       case 3: {
         tell(QStringLiteral("wheel on ") + where);
         const QPoint notches = QPoint(likely(0.2) ? 120 : 0, (below(2) * 2 - 1) * (1 + below(20)) * 40);
@@ -320,7 +328,7 @@ class RandomOperator : public QObject {
     tell(QStringLiteral("cell %1, %2 of %3").arg(cell.row()).arg(cell.column()).arg(name_of(table)));
     const QPointer<QWidget> viewport(table->viewport());
     QTest::mouseClick(table->viewport(), Qt::LeftButton, any_modifiers(), at);
-    if (viewport && likely(0.4)) QTest::mouseDClick(table->viewport(), Qt::LeftButton, {}, at);
+    if (viewport && likely(0.4)) click_twice(viewport, Qt::LeftButton, {}, at);
     if (viewport && likely(0.3)) {
       QContextMenuEvent menu(QContextMenuEvent::Mouse, at, viewport->mapToGlobal(at));
       QApplication::sendEvent(viewport, &menu);

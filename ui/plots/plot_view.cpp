@@ -471,6 +471,20 @@ void PlotView::set_colours(const Colours& colours) {
   style();
 }
 
+int PlotView::needed_height() const {
+  constexpr int usual = 84, times = 40, lines = 5;  // a title, and three numbers with some room between them
+  return static_cast<int>(shown_.size()) * std::max(usual, lines * fontMetrics().height()) +
+         std::max(times, 2 * fontMetrics().height());
+}
+
+void PlotView::changeEvent(QEvent* event) {
+  if (event->type() == QEvent::FontChange) {
+    style();
+    setMinimumHeight(needed_height());
+  }
+  QCustomPlot::changeEvent(event);
+}
+
 void PlotView::style() {
   const Colours& c = colours_;
   setBackground(c.plot);

@@ -61,8 +61,11 @@ class PlotView final : public QCustomPlot {
   /// Where a row (of all) is at this time; the middle of the widget if it is not shown.
   QPoint place_of(std::size_t row, double t) const;
 
-  int needed_height() const { return static_cast<int>(shown_.size()) * 84 + 40; }
+  int needed_height() const;  ///< so that the numbers at the axes are apart
   QSize minimumSizeHint() const override { return {200, 200}; }
+
+ protected:
+  void changeEvent(QEvent* event) override;
 
  private:
   struct Added {
