@@ -2,7 +2,7 @@
 // Whatever was done, the window comes back at once and without a warning, shows the state that the session has, and
 // STOP is in sight and stops every robot.
 // SKEIN_CHAOS_SEED sets the first seed, SKEIN_CHAOS_RUNS how many (default 2), SKEIN_CHAOS_ACTIONS how many actions
-// each (default 60); SKEIN_CHAOS_TELL=1 prints each action.
+// each (default 45); SKEIN_CHAOS_TELL=1 prints each action.
 #include <unistd.h>
 
 #include <QElapsedTimer>
@@ -261,7 +261,7 @@ class WindowChaos : public ::testing::Test {
 TEST_F(WindowChaos, WhateverIsDoneStopIsInSightAndStops) {
   const int first = static_cast<int>(skein::test::number_from_environment("SKEIN_CHAOS_SEED", 1.0));
   const int runs = static_cast<int>(skein::test::number_from_environment("SKEIN_CHAOS_RUNS", 2.0));
-  const int actions = static_cast<int>(skein::test::number_from_environment("SKEIN_CHAOS_ACTIONS", 60.0));
+  const int actions = static_cast<int>(skein::test::number_from_environment("SKEIN_CHAOS_ACTIONS", 45.0));
   for (int seed = first; seed < first + runs && !HasFailure(); ++seed) {
     SCOPED_TRACE("SKEIN_CHAOS_SEED=" + std::to_string(seed));
     run(static_cast<std::uint64_t>(seed), actions);
