@@ -1,6 +1,7 @@
 // The gains panel: undo, presets, the form of the couplings, the schedule. And what can be done with one robot.
 #include <QAbstractItemView>
 #include <QAction>
+#include <QApplication>
 #include <QComboBox>
 #include <QDockWidget>
 #include <QDoubleSpinBox>
@@ -63,6 +64,17 @@ TEST_F(Gains, AreUndoneAndRedone) {
   QTest::mouseClick(find<QToolButton>("redo_gain"), Qt::LeftButton);
   ASSERT_TRUE(eventually([&] { return std::abs(record().k_xx - 0.012) < 1e-6; }));
   EXPECT_FALSE(find<QToolButton>("redo_gain")->isEnabled());
+}
+
+/// A menu that is disabled while it is open took every key and click, and did not close.
+TEST_F(Gains, AMenuThatIsOpenWhenTheRunEndsIsClosed) {
+  start();
+  auto* presets = find<QToolButton>("gain_presets");
+  presets->menu()->popup(presets->mapToGlobal(presets->rect().bottomLeft()));
+  ASSERT_TRUE(eventually([&] { return QApplication::activePopupWidget() == presets->menu(); }));
+  window.stop();
+  ASSERT_TRUE(eventually([&] { return !presets->isEnabled(); })) << "nothing can be set after the end";
+  EXPECT_EQ(QApplication::activePopupWidget(), nullptr);
 }
 
 TEST_F(Gains, ChangeWithinTheTimeThatIsAskedFor) {

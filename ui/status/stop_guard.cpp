@@ -5,6 +5,7 @@
 #include <QDialog>
 #include <QKeyEvent>
 #include <QLineEdit>
+#include <QMenu>
 #include <QMouseEvent>
 #include <QPlainTextEdit>
 #include <QToolButton>
@@ -78,6 +79,8 @@ bool StopGuard::eventFilter(QObject* watched, QEvent* event) {
   if (is_placed && button_ && watched == button_->window() && button_->isVisible())
     for (auto* dialog : button_->window()->findChildren<QDialog*>())
       if (dialog->isWindow() && dialog->isVisible()) keep_clear_of(dialog, *button_);
+  if (event->type() == QEvent::EnabledChange)
+    if (auto* menu = qobject_cast<QMenu*>(watched); menu && menu->isVisible() && !menu->isEnabled()) menu->close();
   if (event->type() == QEvent::MouseButtonPress && button_ && button_->isVisible() && watched != button_) {
     // An open menu would take the press only to close itself.
     const auto* press = static_cast<const QMouseEvent*>(event);

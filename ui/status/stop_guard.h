@@ -10,7 +10,8 @@ namespace skein::ui {
 /// Sees every key and every press of the mouse before any widget does, and turns Space, Esc and a press on the STOP
 /// button into STOP: whatever has the focus, whatever dialog or menu is open. A shortcut is not enough: a spin box, a
 /// menu or a button with the focus may take the key first. Because Space presses no button then, Return does. No dialog
-/// opens over the STOP button.
+/// opens over the STOP button; and an open menu is closed when it is disabled, as at the end of a run: it would go on
+/// to take every key and every press of the mouse, without closing.
 class StopGuard final : public QObject {
   Q_OBJECT
 
