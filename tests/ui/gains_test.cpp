@@ -77,6 +77,24 @@ TEST_F(Gains, AMenuThatIsOpenWhenTheRunEndsIsClosed) {
   EXPECT_EQ(QApplication::activePopupWidget(), nullptr);
 }
 
+/// The panel is disabled where nothing can be set. Its dialog was disabled with it: no key and no button closed it.
+TEST_F(Gains, TheDialogThatNamesAPresetOutlivesTheRun) {
+  start();
+  emit find<QToolButton>("gain_presets")->menu()->aboutToShow();
+  find<QAction>("keep_preset")->trigger();
+  auto* dialog = find<QDialog>("preset_dialog");
+  ASSERT_TRUE(QTest::qWaitForWindowExposed(dialog));
+  const auto alone =
+      app::parse_experiment(app::paper_experiment().source, "platoon.toml", {"robot=[{tag=1}]", "perturb=[]"});
+  ASSERT_TRUE(alone);
+  window.open(*alone, false);
+  ASSERT_TRUE(
+      eventually([&] { return live().experiment().robots.size() == 1 && !find<GainsPanel>("gains")->isEnabled(); }));
+  EXPECT_TRUE(dialog->isEnabled());
+  QTest::keyClick(dialog, Qt::Key_W, Qt::ControlModifier);
+  EXPECT_FALSE(dialog->isVisible());
+}
+
 TEST_F(Gains, ChangeWithinTheTimeThatIsAskedFor) {
   start();
   set("gain_ramp", 20.0);

@@ -67,7 +67,7 @@ QFileDialog* file_dialog(QWidget* parent, const FileQuestion& question) {
 
 void ask_name(QWidget* parent, const QString& name, const QString& title,
               const std::function<void(const QString&)>& named) {
-  auto* dialog = new QInputDialog(parent);
+  auto* dialog = new QInputDialog(parent->window());  // of a panel it would be disabled with it
   dialog->setObjectName(name);
   dialog->setWindowTitle(title);
   dialog->setLabelText(QObject::tr("Under the name"));
