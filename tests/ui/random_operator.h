@@ -3,7 +3,6 @@
 #include <QAbstractButton>
 #include <QAbstractItemView>
 #include <QAbstractSlider>
-#include <QAbstractSpinBox>
 #include <QAction>
 #include <QApplication>
 #include <QComboBox>
@@ -13,7 +12,6 @@
 #include <QDropEvent>
 #include <QFileDialog>
 #include <QHelpEvent>
-#include <QInputDialog>
 #include <QLineEdit>
 #include <QMenu>
 #include <QMimeData>
@@ -21,17 +19,13 @@
 #include <QPlainTextEdit>
 #include <QPointer>
 #include <QPushButton>
-#include <QTabBar>
 #include <QTest>
 #include <QTimer>
 #include <QWheelEvent>
-#include <deque>
 #include <fstream>
 #include <functional>
-#include <memory>
 #include <vector>
 
-#include "app/record/csv_file.h"
 #include "random_experiment.h"
 #include "ui/arena/arena_view.h"
 #include "ui/main/main_window.h"

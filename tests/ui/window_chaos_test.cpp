@@ -9,8 +9,12 @@
 #include <QSettings>
 #include <cstdio>
 #include <cstdlib>
+#include <deque>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <map>
+#include <memory>
 #include <mutex>
 #include <thread>
 

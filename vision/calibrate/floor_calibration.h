@@ -40,9 +40,8 @@ void enter(const FloorSight& sight, std::vector<FloorMark>& marks);
 std::string doubled_tags(const FloorSight& sight);
 
 /// Why marks were not seen, and where: sentences for people, without a full stop, one for all marks that have the same
-/// reason. `floor`: the calibration with the world frame that the other marks
-/// give; without a world frame nobody knows where the picture should show a mark. Takes up to a second; empty: all were
-/// seen.
+/// reason; empty: all were seen. `floor`: the calibration with the world frame that the other marks give; without a
+/// world frame it is unknown where the picture should show a mark. Takes up to a second.
 std::vector<std::string> why_not_seen(const FloorSight& sight, const std::vector<FloorMark>& marks,
                                       const Calibration& floor);
 
