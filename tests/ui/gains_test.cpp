@@ -8,6 +8,7 @@
 #include <QLabel>
 #include <QLineEdit>
 #include <QMenu>
+#include <QPointer>
 #include <QRegularExpression>
 #include <QSlider>
 #include <QTabWidget>
@@ -82,7 +83,7 @@ TEST_F(Gains, TheDialogThatNamesAPresetOutlivesTheRun) {
   start();
   emit find<QToolButton>("gain_presets")->menu()->aboutToShow();
   find<QAction>("keep_preset")->trigger();
-  auto* dialog = find<QDialog>("preset_dialog");
+  const QPointer<QDialog> dialog = find<QDialog>("preset_dialog");
   ASSERT_TRUE(QTest::qWaitForWindowExposed(dialog));
   const auto alone =
       app::parse_experiment(app::paper_experiment().source, "platoon.toml", {"robot=[{tag=1}]", "perturb=[]"});
@@ -91,8 +92,9 @@ TEST_F(Gains, TheDialogThatNamesAPresetOutlivesTheRun) {
   ASSERT_TRUE(
       eventually([&] { return live().experiment().robots.size() == 1 && !find<GainsPanel>("gains")->isEnabled(); }));
   EXPECT_TRUE(dialog->isEnabled());
-  QTest::keyClick(dialog, Qt::Key_W, Qt::ControlModifier);
-  EXPECT_FALSE(dialog->isVisible());
+  ASSERT_TRUE(bring_to_front(*dialog));
+  key(Qt::Key_W, dialog, Qt::ControlModifier);
+  EXPECT_TRUE(eventually([&] { return !dialog; })) << "Ctrl+W does not close it";
 }
 
 TEST_F(Gains, ChangeWithinTheTimeThatIsAskedFor) {
