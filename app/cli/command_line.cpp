@@ -20,6 +20,7 @@
 #include "app/cli/command_line_studies.h"
 #include "app/cli/command_line_vision.h"
 #include "app/cli/commands.h"
+#include "app/cli/shipped_file.h"
 #include "app/controllers/adversary.h"
 #include "app/controllers/library_host.h"
 #include "app/experiment/experiment_schema.h"
@@ -76,7 +77,7 @@ struct ExperimentOptions {
         "experiment", file,
         required ? "experiment file (TOML), or the name of one that comes with Skein"
                  : "experiment file (TOML), the name of one that comes with Skein, or a recorded run (CSV) to replay");
-    option->transform([](const std::string& name) { return find_resource("experiments", name); });
+    take_shipped_files(*option, "experiments", required ? nullptr : &command);
     if (required) option->required();
     command.add_option("--set", sets, "key=value: any key of the file, e.g. controller.v_max=0.08; repeatable")
         ->type_name("KEY=VALUE")

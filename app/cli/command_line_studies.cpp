@@ -4,8 +4,8 @@
 
 #include <limits>
 
+#include "app/cli/shipped_file.h"
 #include "app/manual/whole_number.h"
-#include "app/run/resources.h"
 
 namespace skein::app {
 
@@ -16,11 +16,12 @@ constexpr std::int64_t largest_seed = std::numeric_limits<std::int64_t>::max();
 /// What every command about a study takes.
 template <typename Request>
 void add_common(CLI::App& command, Request& request, const char* runs) {
-  command
-      .add_option("study", request.file,
-                  "study file (TOML), see docs/studies.md, or the name of one that comes with Skein")
-      ->required()
-      ->transform([](const std::string& name) { return find_resource("studies", name); });
+  take_shipped_files(
+      *command
+           .add_option("study", request.file,
+                       "study file (TOML), see docs/studies.md, or the name of one that comes with Skein")
+           ->required(),
+      "studies");
   command.add_option("--runs", request.runs, runs)->check(whole_number(1, 10'000'000))->type_name("N");
   command.add_option("--seed", request.seed, "seed of the first run; each further run adds 1")
       ->check(whole_number(0, largest_seed))

@@ -5,11 +5,11 @@
 #include <charconv>
 #include <system_error>
 
+#include "app/cli/shipped_file.h"
 #include "app/experiment/experiment.h"
 #include "app/manual/whole_number.h"
 #include "app/run/exit_status.h"
 #include "app/run/output.h"
-#include "app/run/resources.h"
 #include "vision/sources/open_source.h"
 #include "vision/tags/tag_family.h"
 
@@ -126,9 +126,10 @@ void VisionCommands::add_to(CLI::App& program) {
                                     "Makes the world frames of several cameras agree, from the films of a run in which "
                                     "robots drove where two of them "
                                     "look; prints by how much they differed");
-  joint_->add_option("experiment", joint_request_.experiment, "experiment file with its cameras ([[camera.also]])")
-      ->transform([](const std::string& name) { return find_resource("experiments", name); })
-      ->required();
+  take_shipped_files(
+      *joint_->add_option("experiment", joint_request_.experiment, "experiment file with its cameras ([[camera.also]])")
+           ->required(),
+      "experiments");
   joint_
       ->add_option("--video", joint_request_.film,
                    "film of a run of this experiment (`skein run --video`); the other cameras' films lie beside it")

@@ -41,13 +41,6 @@ std::vector<std::string> names_of_options(const CLI::App& command) {
   return names;
 }
 
-std::vector<std::string> names_of_commands(const CLI::App& command) {
-  std::vector<std::string> names;
-  for (const CLI::App* below : command.get_subcommands([](const CLI::App* c) { return !c->get_group().empty(); }))
-    names.push_back(below->get_name());
-  return names;
-}
-
 std::string first_sentence(const std::string& text) {
   return text.substr(0, text.find('\n'));
 }
@@ -60,11 +53,6 @@ std::string unexpected(const CLI::App& program, const CLI::App& command) {
     if (word.starts_with("--")) word.resize(std::min(word.find('='), word.size()));
   const std::string found = fmt::format("{}", fmt::join(words, ", ")), first = words.empty() ? "" : words.front();
   if (option) return fmt::format("found {}{} allowed: {}", found, suggestion(first, options), fmt::join(options, ", "));
-  // What was taken for a file may be a command with a slip in it: `skein rnu my.toml`.
-  for (const CLI::Option* place : command.get_options())
-    if (place->get_positional() && place->count() > 0)
-      if (const std::string given = place->results().front(), meant = suggestion(given, commands); meant != ",")
-        return fmt::format("found {}{} commands: {}", given, meant, fmt::join(commands, ", "));
   if (!commands.empty())
     return fmt::format("found {}{} allowed: {}", found, suggestion(first, commands), fmt::join(commands, ", "));
   std::string places;
@@ -99,6 +87,13 @@ std::string in_plain_words(const std::string& text) {
 }
 
 }  // namespace
+
+std::vector<std::string> names_of_commands(const CLI::App& command) {
+  std::vector<std::string> names;
+  for (const CLI::App* below : command.get_subcommands([](const CLI::App* c) { return !c->get_group().empty(); }))
+    names.push_back(below->get_name());
+  return names;
+}
 
 std::string what_is_wrong(const CLI::App& program, const CLI::ParseError& error) {
   const auto [command, name] = given_command(program);

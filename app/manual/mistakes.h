@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace CLI {
 class App;
@@ -9,6 +10,9 @@ class ParseError;
 }  // namespace CLI
 
 namespace skein::app {
+
+/// The commands below this one, without those that no help shows.
+std::vector<std::string> names_of_commands(const CLI::App& command);
 
 /// What is wrong with a command line: the command, the place, what was found there and what is allowed, in one line.
 /// `error` is what parsing it threw.

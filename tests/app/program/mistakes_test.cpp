@@ -197,6 +197,22 @@ TEST_F(Mistakes, AFileOfAnotherKindIsNamed) {
   EXPECT_THAT(said, HasSubstr("nowhere.csv: cannot be read: No such file or directory"));
 }
 
+TEST_F(Mistakes, ABareNameThatIsNoFileIsComparedWithWhatThereIs) {
+  EXPECT_EQ(shell("$skein run platon"), 2);
+  EXPECT_THAT(said, HasSubstr("skein run: experiment: found platon; did you mean platoon? allowed: a file, or one of "
+                              "the experiments that come with Skein: antipodal-swap-10, "));
+  EXPECT_EQ(shell("$skein sweep crowd"), 2);
+  EXPECT_THAT(said, HasSubstr("found crowd; did you mean crowds? allowed: a file, or one of the studies"));
+  for (const char* command : {"rnu", "rnu e.toml"}) {
+    EXPECT_EQ(shell(std::string("$skein ") + command), 2);
+    EXPECT_THAT(said, HasSubstr("skein: experiment: found rnu; did you mean run? allowed: a command (run, check, "));
+  }
+  EXPECT_EQ(shell("$skein gui e.toml"), 2) << "no command is like it";
+  EXPECT_THAT(said, HasSubstr("skein: experiment: found gui, allowed: a command (run, check, "));
+  EXPECT_EQ(shell("$skein run platon.toml"), 2) << "a file that is missing, by its ending";
+  EXPECT_THAT(said, HasSubstr("platon.toml: cannot be read: No such file or directory"));
+}
+
 /// A file with mistakes hides neither those of the next file nor what is wrong with the machine.
 TEST_F(Mistakes, ADoctorExaminesTheMachineAllTheSame) {
   EXPECT_EQ(shell("$skein doctor nowhere.toml e.toml nowhere-else.toml --seconds 0"), 2);
