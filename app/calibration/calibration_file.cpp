@@ -105,7 +105,7 @@ void read_mark(TomlTable& t, std::vector<FloorMark>& marks, Problems& problems) 
 }  // namespace
 
 tl::expected<Calibration, std::string> parse_calibration(std::string_view text, const std::string& name) {
-  const auto document = parse_toml(text, name);
+  const auto document = parse_toml(text, name, FileKind::calibration);
   if (!document) return tl::unexpected(messages(document.error()));
   Problems problems(*document, name);
   TomlTable root(&*document, "", problems);

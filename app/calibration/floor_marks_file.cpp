@@ -12,7 +12,7 @@ namespace skein::app {
 using vision::FloorMark;
 
 tl::expected<std::vector<FloorMark>, std::string> parse_floor_marks(std::string_view text, const std::string& name) {
-  const auto document = parse_toml(text, name);
+  const auto document = parse_toml(text, name, FileKind::marks);
   if (!document) return tl::unexpected(messages(document.error()));
   Problems problems(*document, name);
   TomlTable root(&*document, "", problems);

@@ -73,6 +73,8 @@ Json json_of(const IdentifiedRobot& robot) {
 }  // namespace
 
 int identify(const IdentifyRequest& request) {
+  if (request.save)  // nothing yet: what prevents it is to be known before the work
+    if (const int possible = save_found(known_robots_file(request.file), {}); possible != done) return possible;
   if (!request.report.empty())
     if (const auto possible = check_report(request.report); !possible) return complain(possible.error()), wrong_input;
   std::vector<RobotHistory> robots;

@@ -35,7 +35,7 @@ std::string key_of_set(const Problem& problem) {
 
 tl::expected<Experiment, std::vector<Problem>> parse_experiment(std::string_view text, const std::string& file,
                                                                 const std::vector<std::string>& sets) {
-  auto parsed = parse_toml(text, file);
+  auto parsed = parse_toml(text, file, FileKind::experiment);
   if (!parsed) return tl::unexpected(parsed.error());
   toml::table& document = *parsed;
   std::vector<Problem> refused;

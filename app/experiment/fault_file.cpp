@@ -71,7 +71,7 @@ std::optional<Fault> read_fault(TomlTable& table, std::size_t robots) {
 
 tl::expected<std::vector<Fault>, std::vector<Problem>> parse_faults(std::string_view text, const std::string& file,
                                                                     std::size_t robots) {
-  auto parsed = parse_toml(text, file);
+  auto parsed = parse_toml(text, file, FileKind::faults);
   if (!parsed) return tl::unexpected(parsed.error());
   toml::table& document = *parsed;
   Problems problems(document, file);

@@ -64,7 +64,7 @@ tl::expected<std::vector<KnownRobot>, std::vector<Problem>> read_document(const 
 tl::expected<toml::table, std::vector<Problem>> read_file(const std::string& path) {
   const auto text = read_text(path);
   if (!text) return tl::unexpected(text.error());
-  return parse_toml(*text, path);
+  return parse_toml(*text, path, FileKind::robots);
 }
 
 /// The table of the robot that is called so; null: none is.

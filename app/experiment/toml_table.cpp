@@ -55,6 +55,14 @@ tl::expected<toml::table, std::vector<Problem>> parse_toml(std::string_view text
   }
 }
 
+tl::expected<toml::table, std::vector<Problem>> parse_toml(std::string_view text, const std::string& file,
+                                                           FileKind read_as) {
+  auto document = parse_toml(text, file);
+  if (document)
+    if (auto other = check_kind(*document, file, read_as)) return tl::unexpected(std::vector{std::move(*other)});
+  return document;
+}
+
 std::string Problem::message() const {
   return shown(line > 0 ? fmt::format("{}:{}:{}: {}", file, line, column, text) : fmt::format("{}: {}", file, text));
 }

@@ -15,6 +15,7 @@
 #include <toml++/toml.h>
 #include <tl/expected.hpp>
 
+#include "app/experiment/file_kind.h"
 #include "app/experiment/problem.h"
 #include "core/words.h"
 
@@ -46,6 +47,10 @@ toml::table parse_bounded(std::string_view text, const std::string& file);
 
 /// The document of a TOML text; if it is not TOML, the one problem that stopped the parser, with its place.
 tl::expected<toml::table, std::vector<Problem>> parse_toml(std::string_view text, const std::string& file);
+
+/// The same, of a file that is read as one of this kind.
+tl::expected<toml::table, std::vector<Problem>> parse_toml(std::string_view text, const std::string& file,
+                                                           FileKind read_as);
 
 /// Everything wrong with one document, each with its place.
 class Problems {

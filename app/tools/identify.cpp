@@ -336,14 +336,14 @@ std::vector<std::string> doubts(const IdentifiedRobot& robot) {
   const auto interval = [](const core::Estimate& e) { return fmt::format("{:.3g} to {:.3g}", e.low, e.high); };
   if (!found.wheel_diameter.known)
     sentences.push_back(
-        fmt::format("the data do not determine the wheels' diameters ({} m): drive farther than {:.3g} m",
+        fmt::format("the data do not determine the wheels' diameters ({} m) from {:.2f} m of driving: drive farther",
                     interval(found.wheel_diameter), found.driven));
   if (!found.wheel_ratio.known)
     sentences.push_back(
-        fmt::format("the data do not determine the ratio of the wheels ({}): drive farther than {:.3g} m",
+        fmt::format("the data do not determine the ratio of the wheels ({}) from {:.2f} m of driving: drive farther",
                     interval(found.wheel_ratio), found.driven));
   if (!found[Unknown::track].known)
-    sentences.push_back(fmt::format("the data do not determine the track ({} m): turn more than {:.3g} rad",
+    sentences.push_back(fmt::format("the data do not determine the track ({} m) from {:.2f} rad of turning: turn more",
                                     interval(found[Unknown::track]), found.turned));
   if (!found[Unknown::delay].known)
     sentences.push_back(

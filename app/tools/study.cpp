@@ -455,7 +455,7 @@ std::vector<Problem> check_study(const Study& study, std::int64_t more) {
 tl::expected<Study, std::vector<Problem>> load_study(const std::string& path) {
   const auto text = read_text(path);
   if (!text) return tl::unexpected(text.error());
-  auto document = parse_toml(*text, path);
+  auto document = parse_toml(*text, path, FileKind::study);
   if (!document) return tl::unexpected(document.error());
   Study study;
   study.file = path;

@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <regex>
 #include <sstream>
 #include <string>
@@ -195,6 +196,36 @@ TEST_F(Mistakes, AFileOfAnotherKindIsNamed) {
   }
   EXPECT_EQ(shell("$skein replay nowhere.csv"), 2);
   EXPECT_THAT(said, HasSubstr("nowhere.csv: cannot be read: No such file or directory"));
+}
+
+/// Each kind of TOML file where each other kind is read. Its keys are unknown there, all of them.
+TEST_F(Mistakes, AFileThatIsWellButOfAnotherKindIsSaidToBe) {
+  study("");
+  write("m.toml", "[[tag]]\nid = 1\nposition = [0, 0]\n");
+  write("f.toml", "[[fault]]\nkind = \"burst\"\nat = 1\nfor = 1\n");
+  write("r.toml", "[[robot]]\nname = \"a\"\nlink = \"serial:/dev/ttyUSB9\"\n");
+  for (const char* name : {"c.toml", "camera.toml"})
+    write(name, skein::test::read_file(skein::test::in_source("resources/cameras/overhead.toml")));
+  const std::map<std::string, std::string> kinds{{"e.toml", "an experiment (`skein run`)"},
+                                                 {"s.toml", "a study (`skein sweep`)"},
+                                                 {"c.toml", "a calibration (`skein calibrate`)"},
+                                                 {"r.toml", "a file of robots (`skein robots`)"},
+                                                 {"m.toml", "marks on the floor (`skein calibrate floor`)"},
+                                                 {"f.toml", "faults (`skein emulate`)"}};
+  const std::map<std::string, std::string> readers{
+      {"e.toml", "$skein check "},
+      {"s.toml", "$skein sweep "},
+      {"c.toml", "$skein track images:. --camera "},
+      {"r.toml", "$skein robots list --file "},
+      {"m.toml", "$skein calibrate floor images:. --camera camera.toml --marks "},
+      {"f.toml", "$skein emulate --faults "}};
+  for (const auto& [own, command] : readers)
+    for (const auto& [file, kind] : kinds) {
+      if (file == own || (own == "e.toml" && file == "r.toml")) continue;  // an experiment may have robots alone
+      EXPECT_EQ(shell("timeout 20 " + command + file), 2) << command << file;
+      EXPECT_THAT(said, testing::EndsWith(file + ": found " + kind + ", allowed: " + kinds.at(own) + "\n"))
+          << command << file;
+    }
 }
 
 TEST_F(Mistakes, ABareNameThatIsNoFileIsComparedWithWhatThereIs) {
@@ -643,6 +674,10 @@ TEST_F(Mistakes, WhereMeasurementsAreSavedIsCheckedBeforeTheyAreMade) {
   EXPECT_EQ(shell("$skein robots ping " + full + " --save --minutes 0.05"), 2);
   EXPECT_THAT(said, HasSubstr("cannot be written: File name too long"));
   EXPECT_THAT(out, IsEmpty());
+  EXPECT_EQ(shell("$skein run e.toml --set duration=1 --csv run.csv --quiet"), 0);
+  EXPECT_EQ(shell("$skein identify run.csv --save --file nowhere.toml --report figures"), 2);
+  EXPECT_THAT(said, HasSubstr("nowhere.toml: cannot be read: No such file or directory"));
+  EXPECT_FALSE(exists("figures"));
   EXPECT_EQ(shell("$skein robots test lab.toml --save --file nowhere.toml"), 2);
   EXPECT_THAT(said, HasSubstr("nowhere.toml: cannot be read: No such file or directory"));
   EXPECT_THAT(out, IsEmpty());
