@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "app/run/behind_links.h"
 #include "vision/frames/file_rights.h"
 
 namespace skein::app {
@@ -44,8 +45,12 @@ tl::expected<FileChange, std::string> FileChange::begin(const std::string& path)
   std::error_code error;
   const fs::path directory = fs::path(path).parent_path();
   if (!directory.empty()) fs::create_directories(directory, error);  // what is wrong with it, open says
-  // A link to the file that is shared between machines stays a link.
-  FileChange change(path, fs::is_symlink(path, error) ? fs::canonical(path, error).string() : path, -1);
+  const auto target = behind_links(path);  // a link to the file that is shared between machines stays a link
+  if (!target) {
+    errno = ELOOP;
+    return failed(path);
+  }
+  FileChange change(path, *target, -1);
   // The previous holder of the lock may have given its draft the name of the file, or have removed it.
   while (true) {
     const int draft = ::open(change.draft_path().c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);

@@ -20,6 +20,7 @@
 #include <thread>
 #include <utility>
 
+#include "app/run/behind_links.h"
 #include "vision/frames/file_rights.h"
 
 namespace skein::app {
@@ -161,10 +162,9 @@ tl::expected<DiskWriter, std::string> DiskWriter::open(const std::string& path, 
   } else if (exists && being_written(path)) {
     return tl::unexpected(written_by_another(path));
   } else {
-    // A link to where runs are kept stays a link.
-    std::error_code ignored;
-    if (fs::is_symlink(path, ignored)) state->path = fs::canonical(path, ignored).string();
-    if (state->path.empty()) state->path = path;
+    const auto target = behind_links(path);  // a link to where runs are kept stays a link
+    if (!target) return tl::unexpected(cannot(path, ELOOP));
+    state->path = *target;
     state->draft = state->path + draft_end;
     if (rules.whole) state->file = open_unnamed(state->path);
     state->unnamed = state->file >= 0;

@@ -172,6 +172,16 @@ TEST_F(KnownRobots, AChangeThatIsNotSavedLeavesTheFileAndNothingElse) {
   EXPECT_TRUE(load_known_robots(file));
 }
 
+TEST_F(KnownRobots, AFileBehindALinkIsMadeWhereTheLinkLeads) {
+  fs::create_directory(path("shared"));
+  fs::create_symlink("shared/robots.toml", path("link.toml"));
+  ASSERT_TRUE(save(path("link.toml"), robots_text));
+  EXPECT_TRUE(fs::is_symlink(path("link.toml")));
+  EXPECT_EQ(test::read_file(path("shared/robots.toml")), robots_text);
+  fs::create_symlink("round.toml", path("round.toml"));
+  EXPECT_FALSE(save(path("round.toml"), robots_text));
+}
+
 /// That of a lab, which its group may change, and one that nobody else may read.
 TEST_F(KnownRobots, AFileThatIsSavedAgainHasTheRightsThatItHad) {
   const std::string file = path("robots.toml");

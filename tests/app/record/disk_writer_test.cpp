@@ -80,6 +80,36 @@ TEST_F(DiskWriting, AnOlderRunIsNotOverwrittenAndAFreeNameIsOffered) {
   EXPECT_EQ(text(*this / "run.csv"), "today");
 }
 
+/// Before, the run was recorded as run.csv.part: "run.csv: File exists".
+TEST_F(DiskWriting, ALinkLeadsToAFileThatIsNotThereYet) {
+  fs::create_directory(*this / "disk");
+  fs::create_symlink("disk/today.csv", *this / "run.csv");
+  fs::create_symlink("run.csv", *this / "last.csv");
+  for (const bool whole : {false, true}) {
+    auto disk = DiskWriter::open(*this / "last.csv", {.whole = whole});
+    ASSERT_TRUE(disk) << disk.error();
+    disk->write("rows");
+    disk->publish();
+    const auto finished = disk->finish(10.0);
+    ASSERT_TRUE(finished) << finished.error();
+    EXPECT_TRUE(fs::is_symlink(*this / "run.csv"));
+    EXPECT_EQ(text(*this / "disk/today.csv"), "rows");
+    fs::remove(*this / "disk/today.csv");
+  }
+  fs::remove(*this / "disk");
+  EXPECT_FALSE(DiskWriter::open(*this / "run.csv")) << "there is no such folder";
+}
+
+TEST_F(DiskWriting, LinksThatLeadInACircleAreRefused) {
+  fs::create_symlink("b.csv", *this / "a.csv");
+  fs::create_symlink("a.csv", *this / "b.csv");
+  const auto refused = DiskWriter::open(*this / "a.csv", {.force = true});
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().find("a.csv: "), std::string::npos) << refused.error();
+  EXPECT_NE(refused.error().find("symbolic links"), std::string::npos) << refused.error();
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 2);
+}
+
 TEST_F(DiskWriting, AFileThatAppearsMeanwhileIsNotOverwrittenEither) {
   auto disk = DiskWriter::open(*this / "run.csv");
   ASSERT_TRUE(disk);
