@@ -6,7 +6,6 @@
 #include <CLI/CLI.hpp>
 #include <cerrno>
 #include <charconv>
-#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -400,7 +399,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   if (host_command) return honest ? be_honest() : adversary ? be_adversary(*adversary) : host_library(library);
   if (guard_command) return guard(marker, STDIN_FILENO);
   if (stop_command) {
-    std::signal(SIGPIPE, SIG_IGN);
+    ignore_output_signals();
     return stop_runs();
   }
   catch_interrupts();

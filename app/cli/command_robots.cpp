@@ -103,7 +103,7 @@ class Stops {
 
   /// Through the runs and guards that hold them, all of these runs where `every_run`; then the remaining robots over a
   /// connection. True: all are known to stand.
-  bool carry_out(bool every_run, std::vector<RunMarker> runs = all_markers()) {
+  bool carry_out(bool every_run, std::vector<RunMarker> runs) {
     if (!every_run) resolve_names();
     std::erase_if(runs, [&](const RunMarker& run) {
       const auto mine = [&](const comms::LinkAddress& robot) { return holds(wanted_, robot); };
@@ -112,7 +112,7 @@ class Stops {
     std::vector<std::future<StoppedRun>> stopped;
     stopped.reserve(runs.size());
     for (const RunMarker& run : runs)
-      stopped.push_back(std::async(std::launch::async, [&run] { return stop_run(run); }));
+      stopped.push_back(std::async(std::launch::async | std::launch::deferred, [&run] { return stop_run(run); }));
     if (every_run) resolve_names();  // a name service that does not answer must not hold up the others
     bool all = true;
     std::vector<comms::LinkAddress> by_hand = wanted_;
@@ -269,17 +269,20 @@ int stop_robots(const std::vector<std::string>& words, const std::string& file) 
     for (const comms::LinkAddress& robot : known.robots) stops.add(robot);
     problems.insert(problems.end(), known.problems.begin(), known.problems.end());
   }
-  const bool runs = all_known && !all_markers().empty();
+  const FoundMarkers found = find_markers();
+  if (!found.unreadable.empty())
+    problems.push_back("skein: " + found.unreadable + "; a run that is not found here is not stopped");
+  const bool runs = all_known && !found.runs.empty();
   if (all_known && !runs && !stops.any() && problems.empty())
     print_out(
         fmt::format("no run is active or has left a robot behind, and no robot is known: there is no {}\n", path));
-  const bool all = stops.carry_out(/*every_run=*/all_known);
+  const bool all = stops.carry_out(/*every_run=*/all_known, found.runs);
   // Only now: a mistake in a file must not keep any robot from being stopped.
   for (const std::string& problem : problems) print_error(shown(problem) + "\n");
   if (problems.empty())
     for (const std::string& word : words)
       if (word.ends_with(".toml")) (void)named_robots({word}, file);  // says what else is wrong with it
-  if (!all) return device_failed;
+  if (!all || !found.unreadable.empty()) return device_failed;
   return problems.empty() ? done : wrong_input;
 }
 

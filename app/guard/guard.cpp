@@ -26,6 +26,7 @@
 #include "app/guard/safety_net.h"
 #include "app/guard/stop_socket.h"
 #include "app/run/exit_status.h"
+#include "app/run/interrupted.h"
 #include "app/run/memory_lock.h"
 #include "app/run/output.h"
 #include "app/run/terminal_text.h"
@@ -254,8 +255,8 @@ bool reach(const RunMarker& run, const WatchedMarker& marker, const std::vector<
 }  // namespace
 
 int guard(const std::string& marker, int descriptor) {
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGQUIT, SIGTSTP, SIGTTIN, SIGTTOU, SIGUSR1, SIGUSR2})
-    std::signal(signal, SIG_IGN);
+  ignore_output_signals();
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP, SIGUSR1, SIGUSR2}) std::signal(signal, SIG_IGN);
   sched_param priority{};
   priority.sched_priority = 22;  // where the system grants it, above the threads that it watches
   ::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &priority);

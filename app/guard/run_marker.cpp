@@ -212,25 +212,44 @@ void rewrite_marker(int descriptor, const RunMarker& marker) noexcept {
   }
 }
 
-std::vector<RunMarker> all_markers() {
+/// Why there may be a marker of this name that is not read, such as too many open files; 0: there is none.
+int why_unreadable(const std::string& path) {
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+  if (file >= 0) return ::close(file), 0;
+  return errno == ENOENT || errno == ELOOP ? 0 : errno;
+}
+
+FoundMarkers find_markers() {
+  FoundMarkers markers;
+  const auto cannot_read = [&](const fs::path& path, int why) {
+    markers.unreadable = fmt::format("{}: cannot be read: {}", path.string(), std::strerror(why));
+  };
   std::vector<std::pair<fs::file_time_type, RunMarker>> found;
   const std::string state = state_directory();
   std::vector<fs::path> directories = spare_directories(state);
   std::erase_if(directories, [](const fs::path& spare) { return !fs::is_directory(spare) || !trustworthy(spare); });
   directories.insert(directories.begin(), state);
-  std::error_code error;
-  for (const fs::path& directory : directories)
+  for (const fs::path& directory : directories) {
+    std::error_code error;
     for (const auto& entry : fs::directory_iterator(directory, error)) {
-      const std::string name = entry.path().filename().string();
+      const std::string path = entry.path().string(), name = entry.path().filename().string();
+      std::error_code ignored;
       if (!name.starts_with(prefix) || name.ends_with(socket_end)) continue;
-      if (auto marker = RunMarker::read(entry.path().string()))
-        found.emplace_back(entry.last_write_time(error), std::move(*marker));
+      if (auto marker = RunMarker::read(path))
+        found.emplace_back(entry.last_write_time(ignored), std::move(*marker));
+      else if (const int why = why_unreadable(path); why != 0)
+        cannot_read(path, why);
     }
+    if (error && error != std::errc::no_such_file_or_directory) cannot_read(directory, error.value());
+  }
   std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  std::vector<RunMarker> markers;
-  markers.reserve(found.size());
-  for (auto& [when, marker] : found) markers.push_back(std::move(marker));
+  markers.runs.reserve(found.size());
+  for (auto& [when, marker] : found) markers.runs.push_back(std::move(marker));
   return markers;
+}
+
+std::vector<RunMarker> all_markers() {
+  return find_markers().runs;
 }
 
 std::vector<RunMarker> bad_ends() {

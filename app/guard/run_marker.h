@@ -50,7 +50,13 @@ tl::expected<WrittenMarker, std::string> write_marker(RunMarker& marker);
 /// Keeps only these robots in the marker of this descriptor.
 void rewrite_marker(int descriptor, const RunMarker& marker) noexcept;
 
-/// All markers, oldest first.
+struct FoundMarkers {
+  std::vector<RunMarker> runs;  ///< oldest first
+  std::string unreadable;       ///< a sentence: why there may be more of them; empty: these are all
+};
+FoundMarkers find_markers();
+
+/// Those that can be read.
 std::vector<RunMarker> all_markers();
 
 /// Markers of runs that died before their robots were known to stand, oldest first.

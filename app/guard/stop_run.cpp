@@ -116,9 +116,10 @@ StoppedRun stop_run(const RunMarker& run) {
   bool told = false;
   std::vector<StopResult> robots = all_of(run, false, "neither its run nor its guard has answered");
   // A guard that is frozen goes on at once: it holds the connections, and the run may be frozen as well.
-  const auto waking = std::async(std::launch::async, [&run] {
+  const auto waking = std::async(std::launch::async | std::launch::deferred, [&run] {
     if (const auto guard = guard_of(run)) guard->send(SIGCONT);
   });
+  if (waking.wait_for(0s) == std::future_status::deferred) waking.wait();  // no thread could be started
   for (auto heard = Clock::now();; std::this_thread::sleep_for(ask_again)) {
     if (!is_there(run)) return {all_of(run, true, {}), false};  // its guard has stopped all of them
     const StopAnswer answer = ask(run);
@@ -157,17 +158,23 @@ bool stop_left_behind(const std::vector<RunMarker>& runs) {
 }
 
 int stop_runs() {
-  const std::vector<RunMarker> runs = all_markers();
+  const auto [runs, unreadable] = find_markers();
   std::vector<std::future<StopAnswer>> answers;
   answers.reserve(runs.size());
+  // One after the other where no thread can be started.
   for (const RunMarker& run : runs)
-    answers.push_back(std::async(std::launch::async, [&run] { return ask_run(run.socket(), "stop", hears_within); }));
+    answers.push_back(std::async(std::launch::async | std::launch::deferred,
+                                 [&run] { return ask_run(run.socket(), "stop", hears_within); }));
   int status = done, reached = 0;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const StopAnswer answer = answers[i].get();
-    if (!answer.reached) continue;
+    if (!answer.reached && !is_there(runs[i])) continue;
     ++reached;
-    if (answer.robots) {
+    if (!answer.reached) {
+      complain(fmt::format("the run \"{}\" cannot be reached, and its robots may still drive: `skein robots stop`",
+                           shown(runs[i].experiment)));
+      status = device_failed;
+    } else if (answer.robots) {
       print_out(fmt::format("the run \"{}\" is stopped\n", shown(runs[i].experiment)));
       for (const StopResult& robot : *answer.robots) {
         say(robot);
@@ -180,7 +187,12 @@ int stop_runs() {
       print_out(fmt::format("the run \"{}\" has ended\n", shown(runs[i].experiment)));
     }
   }
-  if (reached == 0) print_out("no run is active\n");
+  if (!unreadable.empty()) {
+    complain(unreadable + "; a run that is not found here is not stopped");
+    status = device_failed;
+  } else if (reached == 0) {
+    print_out("no run is active\n");
+  }
   return status;
 }
 

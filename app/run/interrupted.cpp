@@ -23,13 +23,15 @@ void on_signal(int signal) {
 
 }  // namespace
 
+void ignore_output_signals() noexcept {
+  for (const int signal : {SIGPIPE, SIGXFSZ, SIGTTOU, SIGTTIN}) std::signal(signal, SIG_IGN);
+}
+
 void catch_interrupts() noexcept {
   struct sigaction action {};
   action.sa_handler = on_signal;
   for (const int signal : endings) ::sigaction(signal, &action, nullptr);
-  // A reader of our output that has gone, a file that has grown too large, a terminal that blocks writing from the
-  // background: these are errors of writing; they neither end nor block a run.
-  for (const int signal : {SIGPIPE, SIGXFSZ, SIGTTOU, SIGTTIN}) std::signal(signal, SIG_IGN);
+  ignore_output_signals();
   // The program that started this one may have blocked signals, which is inherited: this program could not be stopped.
   sigset_t all;
   sigfillset(&all);

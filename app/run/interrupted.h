@@ -2,9 +2,12 @@
 
 namespace skein::app {
 
-/// From now on SIGINT, SIGTERM, SIGHUP and other signals that would end the program silently only set `interrupted`. A
-/// closed reader of the program's output, a file at its size limit and a terminal that blocks writing become write
-/// errors.
+/// From now on a closed reader of the program's output, a file at its size limit and a terminal that blocks writing
+/// from the background are write errors, which neither end nor block the program.
+void ignore_output_signals() noexcept;
+
+/// From now on SIGINT, SIGTERM, SIGHUP and other signals that would end the program silently only set `interrupted`;
+/// and ignore_output_signals().
 void catch_interrupts() noexcept;
 
 /// For a command that drives no robots, and of which no more than a draft is left, which the next one replaces: such

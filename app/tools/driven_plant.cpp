@@ -31,10 +31,7 @@ tl::expected<std::unique_ptr<DrivenPlant>, std::string> DrivenPlant::open(Experi
                                                                           const SessionOptions& options, Warn warn) {
   std::unique_ptr<DrivenPlant> driven(new DrivenPlant(std::move(experiment), std::move(warn)));
   const auto addresses = real_robots(driven->experiment_);
-  if (!addresses) {
-    driven->closed_ = true;
-    return tl::unexpected(addresses.error());
-  }
+  if (!addresses) return tl::unexpected(addresses.error());
   tl::expected<SafetyNet, std::string>& net = driven->net_;
   if (!addresses->empty()) net = SafetyNet::spread({driven->experiment_.name, *addresses});
   if (!net) driven->warn_(unguarded_sentence(net.error()));
@@ -45,7 +42,6 @@ tl::expected<std::unique_ptr<DrivenPlant>, std::string> DrivenPlant::open(Experi
   auto plant = Plant::open(driven->experiment_, driven->clock_, with);
   if (!plant) {
     if (net) net->done(std::vector<StopResult>{});  // those that were reached have been stopped
-    driven->closed_ = true;
     return tl::unexpected(plant.error());
   }
   driven->plant_ = std::move(*plant);
@@ -74,6 +70,7 @@ bool DrivenPlant::keep_on() {
 bool DrivenPlant::close() {
   if (closed_) return *closed_;
   if (net_) net_->on_stop({}, {});
+  if (!plant_) return *(closed_ = true);  // it could not be opened; after an exception the guard stops what was reached
   plant_->close();
   const std::vector<RobotStatus> robots = plant_->robots();
   if (net_) net_->done(stop_results(experiment_, robots));

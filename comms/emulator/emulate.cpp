@@ -18,13 +18,16 @@
 namespace skein::comms {
 namespace {
 
-/// SIGINT and SIGTERM held back from this thread and those that it starts, to be waited for.
+/// SIGINT, SIGTERM and, except under nohup, SIGHUP held back from this thread and those that it starts, to be waited
+/// for.
 class HeldSignals {
  public:
   HeldSignals() {
     sigemptyset(&signals_);
     sigaddset(&signals_, SIGINT);
     sigaddset(&signals_, SIGTERM);
+    struct sigaction hangup {};
+    if (::sigaction(SIGHUP, nullptr, &hangup) == 0 && hangup.sa_handler != SIG_IGN) sigaddset(&signals_, SIGHUP);
     pthread_sigmask(SIG_BLOCK, &signals_, &before_);
   }
   ~HeldSignals() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }

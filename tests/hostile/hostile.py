@@ -626,6 +626,41 @@ def skein_stop(lab):
     return robots.blind(since)
 
 
+def skein_stop_limited(lab, limit, value):
+    """The exit status of `skein stop` under a limit, with a log for its output, and what it said."""
+    with open(lab.case / "log", "w") as log:
+        status = subprocess.run([lab.skein, "stop"], cwd=lab.case, env=lab.environment, stdin=subprocess.DEVNULL, stdout=log,
+                                stderr=log, timeout=30.0, preexec_fn=lambda: resource.setrlimit(limit, (value, value))).returncode
+    return status, (lab.case / "log").read_text()
+
+
+@case("skein stop into a log that has grown to its `ulimit -f`")
+def skein_stop_full_log(lab):
+    robots = lab.emulate()
+    run = lab.run(robots)
+    since = time.monotonic()
+    status, _ = skein_stop_limited(lab, resource.RLIMIT_FSIZE, 0)
+    stands(robots)
+    ends(run)
+    if status < 0:
+        raise Failed(f"signal {-status} ended it")
+    return robots.blind(since)
+
+
+@case("skein stop with `ulimit -n 4` (which finds no run), then without")
+def skein_stop_descriptors(lab):
+    robots = lab.emulate()
+    run = lab.run(robots)
+    status, said = skein_stop_limited(lab, resource.RLIMIT_NOFILE, 4)
+    if status != 3 or "Too many open files" not in said or "no run" in said:
+        raise Failed(f"exit status {status}: {said}")
+    since = time.monotonic()
+    lab.skein_says("stop")
+    stands(robots)
+    ends(run)
+    return robots.blind(since)
+
+
 @case("skein robots stop while a run drives")
 def robots_stop_running(lab):
     robots = lab.emulate()

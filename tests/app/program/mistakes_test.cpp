@@ -848,6 +848,16 @@ TEST_F(Mistakes, WhatIsWrittenToStdoutStandsThereAlone) {
   EXPECT_EQ(out, "</html>\n");
 }
 
+TEST_F(Mistakes, AnEmulatorWhoseTerminalIsClosedLeavesNothingAndGoesOnUnderNohup) {
+  const std::string begin = "mkdir -p t; export TMPDIR=$PWD/t; ", started = "until [ -s out ]; do sleep 0.02; done; ";
+  EXPECT_EQ(shell(begin + "$skein emulate & " + started + "kill -HUP $!; wait $!; ls t >&2"), 0);
+  EXPECT_EQ(said, "");
+  EXPECT_EQ(shell(begin + "trap '' HUP; $skein emulate & " + started +
+                  "kill -HUP $!; sleep 0.2; kill -TERM $! || exit 9; wait $!; ls t >&2"),
+            0);
+  EXPECT_EQ(said, "");
+}
+
 TEST_F(Mistakes, AnExportThatIsInterruptedLeavesNothing) {
   EXPECT_EQ(
       shell("$skein run e.toml --set duration=1 --csv run.csv --quiet && tail -n 1 run.csv > row && "

@@ -71,7 +71,7 @@ void add_commands(const std::string& skein, const std::string& name, std::vector
   command.options = options_in(section(command.help, "Options"), "^ {2,10}(?:-\\w, *)?(--[a-z-]+)");
   command.below = matches(section(command.help, "Subcommands"), "^  ([a-z-]+) ");
   for (const std::string& line : matches(section(command.help, "Positionals"), "^  (\\S+ .*)$"))
-    if (line.find("REQUIRED") != std::string::npos) command.required.emplace_back("word");
+    if (line.find("REQUIRED") != std::string::npos) command.required.emplace_back("./word");
   for (const std::string& option : matches(command.help, "^ {2,10}(--[a-z-]+) .*REQUIRED")) {
     command.required.push_back(option);
     command.required.emplace_back(option == "--to" ? "mcap" : "word");

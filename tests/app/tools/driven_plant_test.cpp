@@ -67,6 +67,19 @@ TEST_F(KeptAwakeWhileToolsDrive, IsTheMachineUntilTheRobotsStand) {
   EXPECT_TRUE(eventually([&] { return logind.inhibitors() == 0; }));
 }
 
+/// An emulated robot's link is made in the folder for temporary files.
+TEST(DrivenPlant, ThatCannotBeOpenedThrowsAndDoesNotCrash) {
+  Experiment experiment;
+  RobotSpec& robot = experiment.robots.emplace_back();
+  robot.link = RobotSpec::Link::loopback;
+  robot.type = core::find_robot_type("epuck2");
+  const char* const set = std::getenv("TMPDIR");
+  const std::string before = set ? set : "";
+  ::setenv("TMPDIR", "/nowhere", 1);
+  EXPECT_ANY_THROW((void)DrivenPlant::open(experiment, {}, [](const std::string&) {}));
+  set ? ::setenv("TMPDIR", before.c_str(), 1) : ::unsetenv("TMPDIR");
+}
+
 TEST_F(KeptAwakeWhileToolsDrive, OrTheOperatorIsToldWhyNot) {
   const FakeLogind logind(bus, "Access denied");
   std::vector<std::string> said;
