@@ -406,7 +406,9 @@ void Planner::step(const Scene& scene, const Gains& gains, double dt, std::span<
       if (scene.t >= robots_[i].aside.ends()) robots_[i].state = State::nominal, robots_[i].reference = nominal[i];
     }
   const bool begins = !begun_ || to_starts_ != scene.to_starts;
-  if (begins) find_conflicts_of_all(scene, nominal);
+  for (std::size_t i = 0; i < n; ++i)
+    robots_[i].is_new = !std::isnan(scene.poses[i].x) && (begins || std::isnan(robots_[i].before.x));
+  find_conflicts(scene, nominal);
   begun_ = true;
   to_starts_ = scene.to_starts;
 

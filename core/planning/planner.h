@@ -155,7 +155,8 @@ class Planner {
     Merging::Trial looks;   // the behaviour of the others that this search assumes
     double keeps = 0.0;     // distance from others' routes used in planning [m]
     ReferencePoint reference;
-    Pose before;  // its pose at the previous step
+    Pose before;          // its pose at the previous step
+    bool is_new = false;  // seen for the first time, or planning begins
     std::size_t waits_for = 0, taken_by = 0;
     bool no_way = false, needs_plan = false;
     bool makes_room = false;  // there is no way to its place: it drives to where it blocks no other robot
@@ -170,7 +171,7 @@ class Planner {
   };
 
   void let_formation_wait(const Scene& scene, const Gains& gains) noexcept;
-  void find_conflicts_of_all(const Scene& scene, std::span<const ReferencePoint> nominal) noexcept;
+  void find_conflicts(const Scene& scene, std::span<const ReferencePoint> nominal) noexcept;
   void watch(std::size_t i, const Scene& scene, const Gains& gains, std::span<const ReferencePoint> nominal,
              bool to_the_end) noexcept;
   Start begin_route(std::size_t i, const Scene& scene) noexcept;
@@ -181,6 +182,7 @@ class Planner {
   bool continue_search() noexcept;
   void begin_group(const Scene& scene, std::span<const ReferencePoint> nominal, bool everybody) noexcept;
   void go_on_with_group(const Scene& scene, std::span<const ReferencePoint> nominal) noexcept;
+  void begin_group_anew() noexcept;
   bool include_who_follows(const Scene& scene) noexcept;
   bool all_gave_way() const noexcept;
   bool let_all_give_way() noexcept;

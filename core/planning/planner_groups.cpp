@@ -50,26 +50,35 @@ void Planner::expect(std::size_t j, const Scene& scene, std::span<const Referenc
     traffic_.shift(j, pose.x - nominal[j].pose.x, pose.y - nominal[j].pose.y, back_within);
 }
 
-/// Before anybody has moved: whose nominal ways to rest meet.
-void Planner::find_conflicts_of_all(const Scene& scene, std::span<const ReferencePoint> nominal) noexcept {
+/// Whose nominal ways to rest meet: those of all robots when planning begins, later those of robots that are seen for
+/// the first time. A group that is being planned took these as absent, and begins anew with them.
+void Planner::find_conflicts(const Scene& scene, std::span<const ReferencePoint> nominal) noexcept {
   const std::size_t n = robots_.size();
+  const auto is_new = [this](std::size_t i) { return robots_[i].is_new; };
+  if (std::none_of(robots_.begin(), robots_.end(), [](const Robot& robot) { return robot.is_new; })) return;
+  improvement_.asked = 0;
+  improvement_.searching = false;
+  const bool plans = group_.active;
+  if (plans) begin_group_anew();
   spent_ += n * n;
   for (std::size_t j = 0; j < n; ++j) expect(j, scene, nominal);
+  const auto meets_another = [&](std::size_t i) {
+    if (rests(i, scene) && (is_new(i) || robots_[i].state == State::nominal)) robots_[i].needs_plan = true;
+  };
   for (std::size_t i = 0; i < n; ++i) {
     if (!traffic_.present(i)) continue;
     for (std::size_t j = i + 1; j < n; ++j) {
-      if (!traffic_.present(j) || (!rests(i, scene) && !rests(j, scene))) continue;
+      if ((!is_new(i) && !is_new(j)) || !traffic_.present(j) || (!rests(i, scene) && !rests(j, scene))) continue;
       const std::size_t end = std::max(traffic_.still_from(i), traffic_.still_from(j));
       double least = never;
       for (std::size_t k = 0; k <= end; k += 2)
         least = std::min(least, math::hypot(traffic_.x(i, k) - traffic_.x(j, k), traffic_.y(i, k) - traffic_.y(j, k)));
-      if (least < keep_ - closer(i, j)) {
-        if (rests(i, scene)) robots_[i].needs_plan = true;
-        if (rests(j, scene)) robots_[j].needs_plan = true;
-      }
+      if (least < keep_ - closer(i, j)) meets_another(i), meets_another(j);
     }
+    if (!is_new(i) || !rests(i, scene)) continue;
+    // Nobody knows yet where the members will drive.
+    if (plans && !is_back(i, scene, nominal[i].pose)) robots_[i].needs_plan = true;
     // Obstacles on its way.
-    if (!rests(i, scene)) continue;
     for (std::size_t k = 0; k <= traffic_.still_from(i); k += 2)
       if (!lattice(i).free(traffic_.x(i, k), traffic_.y(i, k)) && k > 0) robots_[i].needs_plan = true;
   }
@@ -140,8 +149,12 @@ void Planner::wait_here(std::size_t i, const Pose& pose) noexcept {
   robot.route.stand(pose);
   robot.clock = robot.retry = robot.patience = 0.0;
   robot.reference = {pose, {}};
+  if (group_.active && group_.member[i]) begin_group_anew();
+}
+
+/// What the members were being planned through has changed.
+void Planner::begin_group_anew() noexcept {
   Group& g = group_;
-  if (!g.active || !g.member[i]) return;
   for (const std::size_t j : g.order) {
     robots_[j].needs_plan = true;
     if (g.give_way) robots_[j].gives_way = false;  // nobody has done so yet
