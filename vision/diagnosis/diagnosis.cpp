@@ -12,6 +12,7 @@
 #include "vision/diagnosis/cut_tags.h"
 #include "vision/diagnosis/edge_widths.h"
 #include "vision/diagnosis/light_limits.h"
+#include "vision/diagnosis/placed_tag.h"
 #include "vision/modules/media_loader.h"
 #include "vision/tags/detection.h"
 #include "vision/tags/tag_plane.h"
@@ -174,6 +175,36 @@ std::vector<FamilyTag> aruco_markers(const Frame& frame) {
   return most;
 }
 
+/// No white border is around a tag: there it is darker than between its ink and its paper.
+bool without_border(const Frame& frame, const Corners& corners) {
+  constexpr int modules = 8;
+  constexpr double paper_share = 0.7;  // of the way from ink to paper; a border in a soft picture reaches 0.85
+  // In modules from a corner; a straight map from corner to corner will do.
+  const auto grey = [&](double column, double row) {
+    const double s = column / modules, t = row / modules;
+    const std::array<double, 4> weights{(1.0 - s) * (1.0 - t), s * (1.0 - t), s * t, (1.0 - s) * t};
+    double u = 0.0, v = 0.0;
+    for (std::size_t i = 0; i < weights.size(); ++i) u += weights[i] * corners[i][0], v += weights[i] * corners[i][1];
+    const int column_px = std::clamp(static_cast<int>(std::lround(u)), 0, frame.width - 1);
+    const int row_px = std::clamp(static_cast<int>(std::lround(v)), 0, frame.height - 1);
+    return static_cast<double>(frame.row(row_px)[column_px]);
+  };
+  std::vector<double> inside, around;
+  for (int i = 0; i < modules; ++i) {
+    const double along = i + 0.5;
+    for (int j = 0; j < modules; ++j) inside.push_back(grey(along, j + 0.5));
+    for (const double beyond : {-0.5, modules + 0.5}) {
+      around.push_back(grey(along, beyond));
+      around.push_back(grey(beyond, along));
+    }
+  }
+  std::sort(inside.begin(), inside.end());
+  std::sort(around.begin(), around.end());
+  const std::size_t tenth = inside.size() / 10;
+  const double ink = inside[tenth], paper = inside[inside.size() - 1 - tenth];
+  return around[around.size() / 2] < ink + paper_share * (paper - ink);
+}
+
 /// What is found where a mark should be.
 bool in_its_place(const TagDiagnosis& mark, const Detection& seen) {
   return mark.mark_at && (middle_of(seen.corners) - *mark.mark_at).norm() < mark.edge_px;
@@ -274,15 +305,52 @@ void look_at_place(const Frame& frame, const std::vector<Detection>& found, TagD
     mark.why = NotSeen::in_shadow;
 }
 
-/// How wide the edges of a blurred frame are [px]; none: they are sharp, or too few to tell.
-std::optional<double> blur_of(const Frame& frame) {
+/// How wide the clear edges of a frame are, in the middle [px]; none: they are too few to tell.
+std::optional<double> usual_edge_width(const Frame& frame) {
   constexpr std::size_t enough = 40;
   std::vector<double> widths;
   detail::edge_widths(frame, {0, 0, frame.width, frame.height}, 0.0, widths);
   if (widths.size() < enough) return {};
   const auto middle = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2);
   std::nth_element(widths.begin(), middle, widths.end());
-  return *middle >= blurred_edge ? std::optional(*middle) : std::nullopt;
+  return *middle;
+}
+
+/// The same of a frame that is blurred.
+std::optional<double> blur_of(const Frame& frame) {
+  const auto width = usual_edge_width(frame);
+  return width && *width >= blurred_edge ? width : std::nullopt;
+}
+
+/// The picture is too soft for tags of this edge (0: not known): then the tags that are not found may be there all the
+/// same. [px]
+bool too_soft(double edge_width, double edge_px) {
+  constexpr double soft_edge = 2.7;        // a lens in focus gives 2 to 2.5 [px]
+  constexpr double of_a_module = 0.8 / 8;  // AprilTag reads tags of 3 px a module with edges up to this
+  return edge_width >= std::min(blurred_edge, std::max(soft_edge, of_a_module * edge_px));
+}
+
+/// What is left of a mark that nothing decodes as, nor lies in its place.
+void look_for_remains(const Frame& frame, const Calibration& plane, TagDiagnosis& mark) {
+  switch (detail::remains_of_tag(frame, plane, {mark.mark->x, mark.mark->y}, mark.tag)) {
+    case detail::TagRemains::none:
+      break;
+    case detail::TagRemains::part:
+      mark.why = NotSeen::covered;
+      break;
+    case detail::TagRemains::reflection:
+      mark.why = NotSeen::too_bright;
+      mark.partly = true;
+      break;
+    case detail::TagRemains::shadow:
+      mark.why = NotSeen::in_shadow;
+      mark.partly = true;
+      break;
+    case detail::TagRemains::whole:
+      mark.why = NotSeen::blurred;
+      mark.edge_width = usual_edge_width(frame).value_or(0.0);
+      break;
+  }
 }
 
 bool any_not_found(const std::vector<TagDiagnosis>& answers) {
@@ -328,6 +396,13 @@ std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibr
       if (!was_seen) answer.printed = answer.size / *usual;
       answer.why = NotSeen::lifted;
     }
+    // Without a border the tag's edge is where its robot's body ends to be dark: its size is not known.
+    const bool of_this_tag = answer.why == NotSeen::lifted || answer.why == NotSeen::wrong_size ||
+                             answer.why == NotSeen::tilted || answer.why == NotSeen::covered;
+    if (times == 1 && of_this_tag && !answer.mark && without_border(frame, one->corners)) {
+      answer.why = NotSeen::covered;
+      answer.bare = true;
+    }
     answer.others_fit = usual.has_value();
     if (times > 1) answer.why = NotSeen::doubled;
   }
@@ -344,7 +419,10 @@ std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibr
     const bool smaller = answer.why == NotSeen::wrong_size && answer.size < calibration.tag_size;
     if ((smaller || answer.why == NotSeen::covered) && light.saturated > saturated_share)
       answer.why = NotSeen::too_bright;
-    if (answer.why == NotSeen::covered && light.brightest < dark_grey) answer.why = NotSeen::in_shadow;
+    if (answer.bare) continue;
+    // In the dark neither what is missing nor a size is known.
+    if ((answer.why == NotSeen::covered || answer.why == NotSeen::lifted) && light.brightest < dark_grey)
+      answer.why = NotSeen::in_shadow;
     const std::optional<double>& before = missing[i].lifted_from;
     if (answer.why == NotSeen::covered && before) {
       answer.change = answer.size / calibration.tag_size - (1.0 + *before);
@@ -373,6 +451,8 @@ std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibr
       answer.why = NotSeen::in_shadow;
     else if (last && near_border(frame, calibration, *last))
       answer.why = NotSeen::at_border;
+    else if (answer.mark && calibration.world_from_camera)
+      look_for_remains(frame, planes[i], answer);
   }
   look_at_border(frame, calibration, answers);
   // Tags of few pixels that are blurred beyond recognition leave few edges that show it: what they showed before does.
@@ -382,13 +462,15 @@ std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibr
     answers[i].why = NotSeen::blurred;
     answers[i].edge_width = width * *missing[i].blur;
   }
-  if (any_not_found(answers))
-    if (const auto blur = blur_of(frame))
-      for (TagDiagnosis& answer : answers) {
-        if (answer.why != NotSeen::not_found || answer.other) continue;
-        answer.why = NotSeen::blurred;
-        answer.edge_width = *blur;
-      }
+  const auto edge_width = any_not_found(answers) ? usual_edge_width(frame) : std::nullopt;
+  for (TagDiagnosis& answer : answers) {
+    if (!edge_width || answer.why != NotSeen::not_found || answer.other) continue;
+    // Where a mark should be, nothing of it is left.
+    const bool may_be_there = found.empty() && !answer.mark_at && too_soft(*edge_width, answer.edge_px);
+    if (*edge_width < blurred_edge && !may_be_there) continue;
+    answer.why = NotSeen::blurred;
+    answer.edge_width = *edge_width;
+  }
   return answers;
 }
 

@@ -41,13 +41,15 @@ struct TagDiagnosis {
   bool others_fit = false;                   // two and more of the tags that were not asked about have [tags] size
   double edge_px = 0.0;                      // its edge, or what it would have [px]
   double contrast = 0.0;                     // between its ink and its paper [grey levels]; 0: it was not found
-  double edge_width = 0.0;                   // of blurred: of the frame's edges, from dark to bright [px]
+  double edge_width = 0.0;                   // of blurred: of the frame's edges, from dark to bright; 0: not known [px]
   std::string family{};                      // of other_family and mirrored: "25h9", "ArUco 4x4", "36h11 in negative"
   std::vector<Window> crops{};               // the parts of the frame that show it, or where it was last seen
   std::optional<FloorMark> mark{};           // MissingTag::mark
   std::optional<Eigen::Vector2d> mark_at{};  // where a frame that were large enough would show its place [px]
   bool outside = false;                      // of a mark at_border: all of it
   std::optional<int> other{};                // id of another tag that lies in its place
+  bool bare = false;                         // of covered: all of it is there, but no white border is around it
+  bool partly = false;                       // of a mark too_bright or in_shadow: only on a part of it
 };
 
 /// Searches one frame with methods that are too slow for the tracker (0.1 to 1 s at 1280x960), and says for each tag

@@ -17,14 +17,20 @@ namespace skein::vision {
 namespace {
 
 using detail::blur_sentence;
+using detail::blurred_edge;
 using detail::least_contrast;
 
 std::string millimetres(double metres) {
   return fmt::format("{:.3g} mm", 1e3 * metres);
 }
 
+/// In whole centimetres; what rounds to nothing has no sign.
+double centimetres(double metres) {
+  return std::round(1e2 * metres) / 1e2 + 0.0;
+}
+
 std::string place(const Eigen::Vector2d& at) {
-  return fmt::format("({:.2f}, {:.2f}) m", at.x(), at.y());
+  return fmt::format("({:.2f}, {:.2f}) m", centimetres(at.x()), centimetres(at.y()));
 }
 
 /// Where a mark was found, or where it should be: "(0.10, 0.30) m, pixel (640, 480)"; empty: nobody knows.
@@ -77,8 +83,14 @@ std::string reason_of_mark(const TagDiagnosis& d, const Calibration& calibration
       return fmt::format("a tag of {} has {:.1f} px{}, and {:.0f} are needed: lay a larger one",
                          millimetres(mark.size > 0.0 ? mark.size : calibration.tag_size), d.edge_px, at, least_edge_px);
     case NotSeen::too_bright:
+      if (d.partly)
+        return fmt::format(
+            "the reflection of a lamp lies on a part of it{}: move it or the lamp, or print it on matt paper", at);
       return fmt::format("the picture is too bright{}: lower the exposure, or keep the light's reflection away", at);
     case NotSeen::in_shadow:
+      if (d.partly)
+        return fmt::format(
+            "the edge of a shadow, or something thin and dark, lies across it{}: light it evenly, or clear it", at);
       if (d.contrast == 0.0 || d.contrast >= least_contrast)
         return fmt::format("the picture is dark{}: put light on it, or raise the exposure", at);
       return fmt::format(
@@ -86,7 +98,17 @@ std::string reason_of_mark(const TagDiagnosis& d, const Calibration& calibration
           "light on it",
           at, d.contrast, least_contrast);
     case NotSeen::blurred:
-      return blur_sentence(d.edge_width);
+      if (d.edge_width >= blurred_edge) return blur_sentence(d.edge_width);
+      if (!d.mark_at)
+        return fmt::format(
+            "no such tag can be read, and the picture is soft (its edges are {:.1f} px wide): turn the lens's focus, "
+            "uncover it, or move it into the picture",
+            d.edge_width);
+      return fmt::format(
+          "all of it is there, but blurred or faint, and {:.1f} px are few for a square of it{}: turn the lens's "
+          "focus, "
+          "put light on it, or lay a larger one",
+          d.edge_px / 8.0, at);
     case NotSeen::mirrored:
       return fmt::format("it is mirrored{}: print it anew, or switch the camera's mirror off", at);
     case NotSeen::other_family:
@@ -164,6 +186,10 @@ std::string sentence(const TagDiagnosis& d, const Calibration& calibration) {
                          d.places.size() == 2 ? "twice" : "more than once", where);
     }
     case NotSeen::covered:
+      if (d.bare)
+        return fmt::format(
+            "tag {} is there, but no white border is around it: print it anew, and cut it out along the dashed lines",
+            d.tag);
       return fmt::format("tag {} is there, but part of it is covered or blurred", d.tag);
     case NotSeen::at_border:
       return fmt::format("the border of the picture cuts tag {}: move the robot inwards", d.tag);
@@ -188,6 +214,11 @@ std::string sentence(const TagDiagnosis& d, const Calibration& calibration) {
                        d.tag, d.contrast, least_contrast)
                  : fmt::format("tag {} is there, but the picture is dark: raise the exposure", d.tag);
     case NotSeen::blurred:
+      if (d.edge_width < blurred_edge)
+        return fmt::format(
+            "no tag {} can be read, and the picture is soft: its edges are {:.1f} px wide, the squares of such a tag "
+            "{:.1f} px; if it is there, turn the lens's focus, or use a larger tag",
+            d.tag, d.edge_width, d.edge_px / 8.0);
       return fmt::format("no tag {} is found, and {}", d.tag, blur_sentence(d.edge_width));
     case NotSeen::mirrored:
       return fmt::format("tag {} is there, but mirrored: switch the camera's mirror off", d.tag);
