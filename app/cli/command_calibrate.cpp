@@ -150,11 +150,12 @@ std::optional<Looked> look(const FloorRequest& request, bool need_world, int& st
   return looked;
 }
 
-void print_residuals(const vision::FloorCheck& check) {
+void print_residuals(const vision::FloorCheck& check, const vision::FloorMark* left_out = nullptr) {
   for (const vision::FloorResidual& r : check.residuals)
-    fmt::print("{}: x {:.3f} y {:.3f} m, off by {:.2f} mm (x {:+.2f}, y {:+.2f})\n", shown(r.mark->name), r.mark->x,
-               r.mark->y, mm(core::math::hypot(r.dx, r.dy)), mm(r.dx), mm(r.dy));
-  fmt::print("marks: {}\nrms_mm: {:.3f}\nworst_mm: {:.3f}\n", check.residuals.size(), mm(check.rms), mm(check.worst));
+    fmt::print("{}: x {:.3f} y {:.3f} m, off by {:.2f} mm (x {:+.2f}, y {:+.2f}){}\n", shown(r.mark->name), r.mark->x,
+               r.mark->y, mm(core::math::hypot(r.dx, r.dy)), mm(r.dx), mm(r.dy),
+               r.mark == left_out ? ", left out" : "");
+  fmt::print("marks: {}\nrms_mm: {:.3f}\nworst_mm: {:.3f}\n", check.marks, mm(check.rms), mm(check.worst));
 }
 
 void print_shift(const vision::PoseShift& shift) {
@@ -299,13 +300,13 @@ int calibrate_floor(const FloorRequest& request) {
                        device_failed);
     result->tag_height = *height;
   }
-  const auto check = vision::check_floor(*result, looked->marks);
+  const auto check = vision::check_floor(*result, looked->marks, solved->left_out);
   if (!check) return fail_with(check.error(), device_failed);
   const auto old = replace_calibration(*result, out, std::array{request.camera, request.marks});
   if (!old) return fail_with(old.error(), wrong_input);
   if (!old->empty()) complain(fmt::format("{} was overwritten; its previous contents are in {}", out, old->string()));
   if (!request.quiet) {
-    print_residuals(*check);
+    print_residuals(*check, solved->left_out);
     if (const auto shift = vision::pose_shift(looked->calibration, *result)) print_shift(*shift);
     const Eigen::Vector3d& p = result->world_from_camera->position;
     fmt::print("camera: {:.4f} {:.4f} {:.4f}\ntag_height: {:.4f}\ntag_size: {:.4f}\ncalibration: {}\n", p.x(), p.y(),
@@ -319,7 +320,7 @@ int calibrate_floor(const FloorRequest& request) {
     complain(
         fmt::format("the marks disagree by up to {:.1f} mm, as if one of the {} were off by {:.1f} mm: check "
                     "their positions and the camera's focus",
-                    mm(check->worst), check->residuals.size(), mm(off)));
+                    mm(check->worst), check->marks, mm(off)));
   return done;
 }
 

@@ -59,7 +59,7 @@ tl::expected<FloorSurvey, std::string> survey_floor(const FloorQuestion& questio
   result->marks = vision::kept_marks(*solved, marks, *sight);
   if (const std::string wrong = vision::wrong_mark_size(result->marks); !wrong.empty()) return tl::unexpected(wrong);
   if (const std::string wrong = vision::wrong_tag_height(*result); !wrong.empty()) return tl::unexpected(wrong);
-  const auto check = vision::check_floor(*result, marks);
+  const auto check = vision::check_floor(*result, marks, solved->left_out);
   if (!check) return tl::unexpected(check.error());
   if (!goes_on()) return tl::unexpected(std::string("ended"));
   if (const auto old = replace_calibration(*result, question.calibration); !old) return tl::unexpected(old.error());

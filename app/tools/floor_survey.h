@@ -23,7 +23,7 @@ struct FloorTag {
 /// The pose of a camera, from tags on the floor.
 struct FloorSurvey {
   std::vector<FloorTag> tags;
-  double rms = 0.0, worst = 0.0;                   ///< of the tags that were seen [m]
+  double rms = 0.0, worst = 0.0;                   ///< of the tags that were seen, without `suspect` [m]
   std::array<double, 3> camera{none, none, none};  ///< the lens's position in the world frame [m]
   std::vector<std::string> unseen{};               ///< why tags were not seen, and where: sentences without a full stop
   std::string suspect{};                           ///< the tag without which the others agree far better; empty: none

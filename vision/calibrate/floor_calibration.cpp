@@ -114,7 +114,8 @@ void enter(const FloorSight& sight, std::vector<FloorMark>& marks) {
   }
 }
 
-tl::expected<FloorCheck, std::string> check_floor(const Calibration& calibration, const std::vector<FloorMark>& marks) {
+tl::expected<FloorCheck, std::string> check_floor(const Calibration& calibration, const std::vector<FloorMark>& marks,
+                                                  const FloorMark* left_out) {
   if (!calibration.world_from_camera) return tl::unexpected(std::string("the calibration has no world frame"));
   FloorCheck check;
   double squares = 0.0;
@@ -123,13 +124,15 @@ tl::expected<FloorCheck, std::string> check_floor(const Calibration& calibration
     const auto at = world_from_pixel(calibration, {mark.u, mark.v}, mark.z);
     if (!at) return tl::unexpected(fmt::format("{}: its pixel does not show the floor", mark.name));
     const FloorResidual residual{&mark, at->x() - mark.x, at->y() - mark.y};
+    check.residuals.push_back(residual);
+    if (&mark == left_out) continue;
     const double off = std::hypot(residual.dx, residual.dy);
     squares += off * off;
     check.worst = std::max(check.worst, off);
-    check.residuals.push_back(residual);
+    ++check.marks;
   }
-  if (check.residuals.empty()) return tl::unexpected(std::string("none of the marks is seen"));
-  check.rms = std::sqrt(squares / static_cast<double>(check.residuals.size()));
+  if (check.marks == 0) return tl::unexpected(std::string("none of the marks is seen"));
+  check.rms = std::sqrt(squares / static_cast<double>(check.marks));
   return check;
 }
 
@@ -185,7 +188,7 @@ const FloorMark* suspect(const Calibration& intrinsics, const std::vector<FloorM
 
 double single_error(const FloorCheck& check) {
   constexpr double taken_up = 3.0;  // marks of two coordinates each that a pose of six could meet without a residual
-  const auto marks = static_cast<double>(check.residuals.size());
+  const auto marks = static_cast<double>(check.marks);
   return marks > taken_up ? check.worst * marks / (marks - taken_up) : std::numeric_limits<double>::infinity();
 }
 
@@ -244,10 +247,10 @@ tl::expected<TrustedFloor, std::string> solve_trusted_floor(const Calibration& i
   const auto check = check_floor(*solved, used);
   if (!check) return tl::unexpected(check.error());
   if (const double off = single_error(*check); off > most_off)
-    return tl::unexpected(fmt::format(
-        "the marks disagree by up to {:.0f} mm, as if one of the {} were off by {:.0f} mm; allowed: {:.0f} "
-        "mm: check their places, and the camera's focus{}",
-        1e3 * check->worst, check->residuals.size(), 1e3 * off, 1e3 * most_off, two_swapped(intrinsics, marks)));
+    return tl::unexpected(
+        fmt::format("the marks disagree by up to {:.0f} mm, as if one of the {} were off by {:.0f} mm; allowed: {:.0f} "
+                    "mm: check their places, and the camera's focus{}",
+                    1e3 * check->worst, check->marks, 1e3 * off, 1e3 * most_off, two_swapped(intrinsics, marks)));
   return floor;
 }
 

@@ -52,11 +52,13 @@ struct FloorResidual {
   double dx = 0.0, dy = 0.0;  // [m]
 };
 struct FloorCheck {
-  std::vector<FloorResidual> residuals;  // of the marks that were seen
+  std::vector<FloorResidual> residuals;  // of the marks that were seen, one that is left out as well
+  std::size_t marks = 0;                 // of the marks that are not left out:
   double rms = 0.0;                      // of the distances [m]
   double worst = 0.0;                    // [m]
 };
-tl::expected<FloorCheck, std::string> check_floor(const Calibration& calibration, const std::vector<FloorMark>& marks);
+tl::expected<FloorCheck, std::string> check_floor(const Calibration& calibration, const std::vector<FloorMark>& marks,
+                                                  const FloorMark* left_out = nullptr);
 
 /// The world frame from at least four marks that were seen, not all on one line; the intrinsics stay unchanged.
 tl::expected<Calibration, std::string> solve_floor(const Calibration& intrinsics, const std::vector<FloorMark>& marks);

@@ -24,13 +24,9 @@ std::string millimetres(double metres) {
   return fmt::format("{:.3g} mm", 1e3 * metres);
 }
 
-/// In whole centimetres; what rounds to nothing has no sign.
-double centimetres(double metres) {
-  return std::round(1e2 * metres) / 1e2 + 0.0;
-}
-
 std::string place(const Eigen::Vector2d& at) {
-  return fmt::format("({:.2f}, {:.2f}) m", centimetres(at.x()), centimetres(at.y()));
+  const auto without_sign_of_0 = [](double metres) { return std::abs(metres) < 0.005 ? 0.0 : metres; };
+  return fmt::format("({:.2f}, {:.2f}) m", without_sign_of_0(at.x()), without_sign_of_0(at.y()));
 }
 
 /// Where a mark was found, or where it should be: "(0.10, 0.30) m, pixel (640, 480)"; empty: nobody knows.

@@ -128,6 +128,14 @@ TEST(FloorCalibration, LeavesAWrongMarkOut) {
   EXPECT_EQ(solved->left_out->name, "tag 0");
   EXPECT_NEAR(solved->off, 0.03, 1e-3);
   EXPECT_LT((solved->calibration.world_from_camera->position - truth).norm(), 2e-3);
+  const auto with_all = check_floor(solved->calibration, lab.marks);
+  const auto check = check_floor(solved->calibration, lab.marks, solved->left_out);
+  ASSERT_TRUE(with_all && check);
+  EXPECT_GT(with_all->worst, 0.029) << "the control";
+  EXPECT_EQ(check->residuals.size(), lab.marks.size());
+  EXPECT_EQ(check->marks, lab.marks.size() - 1);
+  EXPECT_LT(check->worst, 2e-3);
+  EXPECT_LE(check->rms, check->worst);
 }
 
 TEST(FloorCalibration, KeepsTheMarksThatItWentByWithTheirSizes) {
