@@ -190,7 +190,8 @@ def complaints(words, amiss, status, said, by, before, after, temporary):
         yield f"it leaves {left} in the folder for temporary files"
 
 
-def main(skein, resources):
+def main(program, resources):
+    skein = os.path.abspath(program)
     first, count = int(os.environ.get("SKEIN_CHAOS_SEED", "1")), int(os.environ.get("SKEIN_CHAOS_RUNS", "8"))
     failed = 0
     with tempfile.TemporaryDirectory(prefix="skein-commands-") as place:
