@@ -27,6 +27,10 @@ struct Step {
   bool of_bits;  // not between the black frame, which all tags have, and the white border
 };
 
+std::size_t cell(int row, int column) {
+  return static_cast<std::size_t>(row) * cells_a_side + static_cast<std::size_t>(column);
+}
+
 bool in_border(int row, int column) {
   return std::min({row, column, cells_a_side - 1 - row, cells_a_side - 1 - column}) == 0;
 }
@@ -34,8 +38,8 @@ bool in_border(int row, int column) {
 std::vector<Step> steps_of(const TagPattern& pattern) {
   std::vector<Step> steps;
   const auto add = [&](int row, int column, int other_row, int other_column) {
-    const auto a = static_cast<std::size_t>(row * cells_a_side + column);
-    const auto b = static_cast<std::size_t>(other_row * cells_a_side + other_column);
+    const auto a = cell(row, column);
+    const auto b = cell(other_row, other_column);
     if (pattern[a] == pattern[b]) return;
     const bool of_bits = !in_border(row, column) && !in_border(other_row, other_column);
     steps.push_back({pattern[a] ? b : a, pattern[a] ? a : b, of_bits});
@@ -62,7 +66,7 @@ class Modules {
                      left = (0.5 * (cells_a_side - 1) - row) * module;
         const auto grey = mean({place.x() + c * ahead - s * left, place.y() + s * ahead + c * left});
         if (!grey) return false;
-        greys[static_cast<std::size_t>(row * cells_a_side + column)] = *grey;
+        greys[cell(row, column)] = *grey;
       }
     return true;
   }
@@ -118,8 +122,7 @@ std::pair<double, double> sides_of(const Greys& greys, int depth) {
   for (int k = depth; k < last; ++k) {  // each corner belongs to one side
     const int back = cells_a_side - 1 - k;
     const std::array<std::pair<int, int>, 4> around{{{depth, k}, {k, last}, {last, back}, {back, depth}}};
-    for (std::size_t i = 0; i < 4; ++i)
-      sides[i] += greys[static_cast<std::size_t>(around[i].first * cells_a_side + around[i].second)] / count;
+    for (std::size_t i = 0; i < 4; ++i) sides[i] += greys[cell(around[i].first, around[i].second)] / count;
   }
   const auto [least, most] = std::minmax_element(sides.begin(), sides.end());
   return {*least, *most};
