@@ -26,9 +26,8 @@ std::string refusal(const std::string& name, const std::string& folder, const st
   if (words.empty()) return {};
   const std::string names = fmt::format("{}", fmt::join(words, ", "));
   words.insert(words.end(), commands.begin(), commands.end());
-  const auto meant = nearest_word(name, words);
   return fmt::format("found {}{} allowed: {}a file, or one of the {} that come with Skein: {}", name,
-                     meant ? fmt::format("; did you mean {}?", *meant) : ",",
+                     did_you_mean(name, words),
                      commands.empty() ? "" : fmt::format("a command ({}), ", fmt::join(commands, ", ")), folder, names);
 }
 

@@ -228,10 +228,8 @@ void TomlTable::finish() const {
   for (const auto& [key, value] : *table_) {
     const std::string_view written = key.str();
     if (std::find(known_.begin(), known_.end(), written) != known_.end()) continue;
-    const auto meant = nearest_word(written, known_);
-    const std::string suggestion = meant ? fmt::format("; did you mean {}?", *meant) : "";
     problems_->add(key.source().begin ? key.source() : value.source(),
-                   fmt::format("{}: unknown key{} allowed{}: {}", full(written), suggestion.empty() ? "," : suggestion,
+                   fmt::format("{}: unknown key{} allowed{}: {}", full(written), did_you_mean(written, known_),
                                path_.empty() ? "" : " in " + path_, fmt::join(known_, ", ")));
   }
 }

@@ -27,12 +27,6 @@ std::pair<const CLI::App*, std::string> given_command(const CLI::App& program) {
   }
 }
 
-/// "; did you mean --duration?" or ",".
-std::string suggestion(const std::string& typed, const std::vector<std::string>& words) {
-  const auto meant = nearest_word(typed, words);
-  return meant ? fmt::format("; did you mean {}?", *meant) : ",";
-}
-
 std::vector<std::string> names_of_options(const CLI::App& command) {
   std::vector<std::string> names;
   for (const CLI::Option* option : command.get_options())
@@ -52,9 +46,10 @@ std::string unexpected(const CLI::App& program, const CLI::App& command) {
   for (std::string& word : words)
     if (word.starts_with("--")) word.resize(std::min(word.find('='), word.size()));
   const std::string found = fmt::format("{}", fmt::join(words, ", ")), first = words.empty() ? "" : words.front();
-  if (option) return fmt::format("found {}{} allowed: {}", found, suggestion(first, options), fmt::join(options, ", "));
+  if (option)
+    return fmt::format("found {}{} allowed: {}", found, did_you_mean(first, options), fmt::join(options, ", "));
   if (!commands.empty())
-    return fmt::format("found {}{} allowed: {}", found, suggestion(first, commands), fmt::join(commands, ", "));
+    return fmt::format("found {}{} allowed: {}", found, did_you_mean(first, commands), fmt::join(commands, ", "));
   std::string places;
   for (const CLI::Option* place : command.get_options())
     if (place->get_positional()) places += (places.empty() ? "" : " ") + place->get_name(true);

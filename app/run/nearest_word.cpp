@@ -35,4 +35,9 @@ std::optional<std::string> nearest_word(std::string_view written, const std::vec
   return *nearest;
 }
 
+std::string did_you_mean(std::string_view written, const std::vector<std::string>& words) {
+  const auto meant = nearest_word(written, words);
+  return meant ? "; did you mean " + *meant + "?" : ",";
+}
+
 }  // namespace skein::app
