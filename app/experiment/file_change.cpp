@@ -12,7 +12,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "app/run/behind_links.h"
+#include "app/run/follow_links.h"
 #include "vision/frames/file_rights.h"
 
 namespace skein::app {
@@ -45,7 +45,7 @@ tl::expected<FileChange, std::string> FileChange::begin(const std::string& path)
   std::error_code error;
   const fs::path directory = fs::path(path).parent_path();
   if (!directory.empty()) fs::create_directories(directory, error);  // what is wrong with it, open says
-  const auto target = behind_links(path);  // a link to the file that is shared between machines stays a link
+  const auto target = follow_links(path);  // a link to the file that is shared between machines stays a link
   if (!target) {
     errno = ELOOP;
     return failed(path);

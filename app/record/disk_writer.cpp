@@ -20,7 +20,7 @@
 #include <thread>
 #include <utility>
 
-#include "app/run/behind_links.h"
+#include "app/run/follow_links.h"
 #include "vision/frames/file_rights.h"
 
 namespace skein::app {
@@ -162,7 +162,7 @@ tl::expected<DiskWriter, std::string> DiskWriter::open(const std::string& path, 
   } else if (exists && being_written(path)) {
     return tl::unexpected(written_by_another(path));
   } else {
-    const auto target = behind_links(path);  // a link to where runs are kept stays a link
+    const auto target = follow_links(path);  // a link to where runs are kept stays a link
     if (!target) return tl::unexpected(cannot(path, ELOOP));
     state->path = *target;
     state->draft = state->path + draft_end;

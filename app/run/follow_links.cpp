@@ -1,4 +1,4 @@
-#include "app/run/behind_links.h"
+#include "app/run/follow_links.h"
 
 #include <filesystem>
 #include <system_error>
@@ -6,7 +6,7 @@
 namespace skein::app {
 
 // Not canonical(), which needs the file to be there.
-std::optional<std::string> behind_links(const std::string& path) {
+std::optional<std::string> follow_links(const std::string& path) {
   constexpr int most_links = 40;  // as the kernel follows
   std::filesystem::path file = path;
   for (int links = 0; links <= most_links; ++links) {
