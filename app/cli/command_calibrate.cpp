@@ -150,11 +150,10 @@ std::optional<Looked> look(const FloorRequest& request, bool need_world, int& st
   return looked;
 }
 
-void print_residuals(const vision::FloorCheck& check, const vision::FloorMark* left_out = nullptr) {
+void print_residuals(const vision::FloorCheck& check) {
   for (const vision::FloorResidual& r : check.residuals)
     fmt::print("{}: x {:.3f} y {:.3f} m, off by {:.2f} mm (x {:+.2f}, y {:+.2f}){}\n", shown(r.mark->name), r.mark->x,
-               r.mark->y, mm(core::math::hypot(r.dx, r.dy)), mm(r.dx), mm(r.dy),
-               r.mark == left_out ? ", left out" : "");
+               r.mark->y, mm(core::math::hypot(r.dx, r.dy)), mm(r.dx), mm(r.dy), r.left_out ? ", left out" : "");
   fmt::print("marks: {}\nrms_mm: {:.3f}\nworst_mm: {:.3f}\n", check.marks, mm(check.rms), mm(check.worst));
 }
 
@@ -306,7 +305,7 @@ int calibrate_floor(const FloorRequest& request) {
   if (!old) return fail_with(old.error(), wrong_input);
   if (!old->empty()) complain(fmt::format("{} was overwritten; its previous contents are in {}", out, old->string()));
   if (!request.quiet) {
-    print_residuals(*check, solved->left_out);
+    print_residuals(*check);
     if (const auto shift = vision::pose_shift(looked->calibration, *result)) print_shift(*shift);
     const Eigen::Vector3d& p = result->world_from_camera->position;
     fmt::print("camera: {:.4f} {:.4f} {:.4f}\ntag_height: {:.4f}\ntag_size: {:.4f}\ncalibration: {}\n", p.x(), p.y(),

@@ -123,9 +123,9 @@ tl::expected<FloorCheck, std::string> check_floor(const Calibration& calibration
     if (!mark.seen) continue;
     const auto at = world_from_pixel(calibration, {mark.u, mark.v}, mark.z);
     if (!at) return tl::unexpected(fmt::format("{}: its pixel does not show the floor", mark.name));
-    const FloorResidual residual{&mark, at->x() - mark.x, at->y() - mark.y};
+    const FloorResidual residual{&mark, at->x() - mark.x, at->y() - mark.y, &mark == left_out};
     check.residuals.push_back(residual);
-    if (&mark == left_out) continue;
+    if (residual.left_out) continue;
     const double off = std::hypot(residual.dx, residual.dy);
     squares += off * off;
     check.worst = std::max(check.worst, off);

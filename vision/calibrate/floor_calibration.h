@@ -50,6 +50,7 @@ std::vector<std::string> why_not_seen(const FloorSight& sight, const std::vector
 struct FloorResidual {
   const FloorMark* mark = nullptr;
   double dx = 0.0, dy = 0.0;  // [m]
+  bool left_out = false;      // it does not count in rms and worst
 };
 struct FloorCheck {
   std::vector<FloorResidual> residuals;  // of the marks that were seen, one that is left out as well
