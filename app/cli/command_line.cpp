@@ -203,6 +203,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   std::vector<std::string> doctor_files;
   doctor_command
       .add_option("experiment", doctor_files, "experiment files to be run here: checks their robots and cameras")
+      // A name that is wrong must not keep the machine from being examined.
       ->transform([](const std::string& name) { return find_resource("experiments", name); });
   doctor_command.add_option("--seconds", doctor_request.seconds, "duration of the timing test; 0: no test")
       ->check(number_within(0.0, 3600.0))

@@ -270,8 +270,7 @@ int stop_robots(const std::vector<std::string>& words, const std::string& file) 
     problems.insert(problems.end(), known.problems.begin(), known.problems.end());
   }
   const FoundMarkers found = find_markers();
-  if (!found.unreadable.empty())
-    problems.push_back("skein: " + found.unreadable + "; a run that is not found here is not stopped");
+  if (!found.unreadable.empty()) problems.push_back("skein: " + found.unreadable);
   const bool runs = all_known && !found.runs.empty();
   if (all_known && !runs && !stops.any() && problems.empty())
     print_out(

@@ -212,6 +212,8 @@ void rewrite_marker(int descriptor, const RunMarker& marker) noexcept {
   }
 }
 
+namespace {
+
 /// Why there may be a marker of this name that is not read, such as too many open files; 0: there is none.
 int why_unreadable(const std::string& path) {
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
@@ -219,10 +221,13 @@ int why_unreadable(const std::string& path) {
   return errno == ENOENT || errno == ELOOP ? 0 : errno;
 }
 
+}  // namespace
+
 FoundMarkers find_markers() {
   FoundMarkers markers;
   const auto cannot_read = [&](const fs::path& path, int why) {
-    markers.unreadable = fmt::format("{}: cannot be read: {}", path.string(), std::strerror(why));
+    markers.unreadable = fmt::format("{}: cannot be read: {}; a run that is not found here is not stopped",
+                                     path.string(), std::strerror(why));
   };
   std::vector<std::pair<fs::file_time_type, RunMarker>> found;
   const std::string state = state_directory();

@@ -52,7 +52,7 @@ void rewrite_marker(int descriptor, const RunMarker& marker) noexcept;
 
 struct FoundMarkers {
   std::vector<RunMarker> runs;  ///< oldest first
-  std::string unreadable;       ///< a sentence: why there may be more of them; empty: these are all
+  std::string unreadable;  ///< a sentence: why there may be more of them, which are not stopped; empty: these are all
 };
 FoundMarkers find_markers();
 

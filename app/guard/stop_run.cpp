@@ -171,8 +171,9 @@ int stop_runs() {
     if (!answer.reached && !is_there(runs[i])) continue;
     ++reached;
     if (!answer.reached) {
-      complain(fmt::format("the run \"{}\" cannot be reached, and its robots may still drive: `skein robots stop`",
-                           shown(runs[i].experiment)));
+      complain(fmt::format(
+          "the run \"{}\" cannot be reached, and its robots may still drive: `skein robots stop` stops them",
+          shown(runs[i].experiment)));
       status = device_failed;
     } else if (answer.robots) {
       print_out(fmt::format("the run \"{}\" is stopped\n", shown(runs[i].experiment)));
@@ -188,7 +189,7 @@ int stop_runs() {
     }
   }
   if (!unreadable.empty()) {
-    complain(unreadable + "; a run that is not found here is not stopped");
+    complain(unreadable);
     status = device_failed;
   } else if (reached == 0) {
     print_out("no run is active\n");
