@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "vision/frames/grey_at.h"
 #include "vision/tags/tag_template.h"
 
 namespace skein::vision::detail {
@@ -49,22 +50,15 @@ double likeness(const Frame& frame, const Corners& corners, const TagPattern& pa
   for (std::size_t i = 0; i < SampleGrid::points; ++i) {
     const auto [u, v] =
         map(0.5 + static_cast<double>(sample_grid.x_of(i)) / 8.0, 0.5 + static_cast<double>(sample_grid.y_of(i)) / 8.0);
-    if (!(u >= 0.0 && v >= 0.0 && u < frame.width - 1.0 && v < frame.height - 1.0)) continue;
-    const int column = static_cast<int>(u);
-    const int row = static_cast<int>(v);
-    const double fu = u - column;
-    const double fv = v - row;
-    const std::uint8_t* above = frame.row(row) + column;
-    const std::uint8_t* below = frame.row(row + 1) + column;
-    const double grey =
-        (1.0 - fv) * ((1.0 - fu) * above[0] + fu * above[1]) + fv * ((1.0 - fu) * below[0] + fu * below[1]);
+    const auto grey = grey_at(frame, u, v);
+    if (!grey) continue;
     const auto tag = static_cast<double>(wanted[i]);
     n += 1.0;
-    seen += grey;
-    seen2 += grey * grey;
+    seen += *grey;
+    seen2 += *grey * *grey;
     like += tag;
     like2 += tag * tag;
-    both += grey * tag;
+    both += *grey * tag;
   }
   // More than a third outside: no conclusion is possible.
   if (n < 0.67 * static_cast<double>(SampleGrid::points)) return 0.0;

@@ -12,6 +12,7 @@
 #include "vision/diagnosis/diagnosis.h"
 #include "vision/diagnosis/edge_widths.h"
 #include "vision/diagnosis/light_limits.h"
+#include "vision/diagnosis/module_grey.h"
 #include "vision/tags/detection.h"
 
 namespace skein::vision {
@@ -95,19 +96,7 @@ Window around(const Corners& corners) {
 
 /// Between ink and paper: the border of the black square and the white one around it. [grey levels]
 double contrast_of(const Frame& frame, const Corners& corners) {
-  // In modules from the tag's top left corner; a straight map from corner to corner will do.
-  const auto grey = [&](double column, double row) {
-    double u = 0.0, v = 0.0;
-    const double s = column / 8.0, t = row / 8.0;
-    const std::array<double, 4> weights{(1.0 - s) * (1.0 - t), s * (1.0 - t), s * t, (1.0 - s) * t};
-    for (std::size_t i = 0; i < 4; ++i) {
-      u += weights[i] * corners[i][0];
-      v += weights[i] * corners[i][1];
-    }
-    const int column_px = std::clamp(static_cast<int>(std::lround(u)), 0, frame.width - 1);
-    const int row_px = std::clamp(static_cast<int>(std::lround(v)), 0, frame.height - 1);
-    return static_cast<double>(frame.row(row_px)[column_px]);
-  };
+  const auto grey = [&](double column, double row) { return detail::module_grey(frame, corners, column, row); };
   std::vector<double> ink, paper;
   for (int i = 0; i < 8; ++i)
     for (const double side : {0.0, 1.0}) {

@@ -12,6 +12,7 @@
 #include "vision/diagnosis/cut_tags.h"
 #include "vision/diagnosis/edge_widths.h"
 #include "vision/diagnosis/light_limits.h"
+#include "vision/diagnosis/module_grey.h"
 #include "vision/diagnosis/placed_tag.h"
 #include "vision/modules/media_loader.h"
 #include "vision/tags/detection.h"
@@ -179,16 +180,7 @@ std::vector<FamilyTag> aruco_markers(const Frame& frame) {
 bool without_border(const Frame& frame, const Corners& corners) {
   constexpr int modules = 8;
   constexpr double paper_share = 0.7;  // of the way from ink to paper; a border in a soft picture reaches 0.85
-  // In modules from a corner; a straight map from corner to corner will do.
-  const auto grey = [&](double column, double row) {
-    const double s = column / modules, t = row / modules;
-    const std::array<double, 4> weights{(1.0 - s) * (1.0 - t), s * (1.0 - t), s * t, (1.0 - s) * t};
-    double u = 0.0, v = 0.0;
-    for (std::size_t i = 0; i < weights.size(); ++i) u += weights[i] * corners[i][0], v += weights[i] * corners[i][1];
-    const int column_px = std::clamp(static_cast<int>(std::lround(u)), 0, frame.width - 1);
-    const int row_px = std::clamp(static_cast<int>(std::lround(v)), 0, frame.height - 1);
-    return static_cast<double>(frame.row(row_px)[column_px]);
-  };
+  const auto grey = [&](double column, double row) { return detail::module_grey(frame, corners, column, row); };
   std::vector<double> inside, around;
   for (int i = 0; i < modules; ++i) {
     const double along = i + 0.5;

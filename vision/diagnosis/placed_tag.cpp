@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "vision/frames/grey_at.h"
 #include "vision/tags/tag_pattern.h"
 
 namespace skein::vision::detail {
@@ -64,25 +65,18 @@ class Modules {
       for (int column = 0; column < cells_a_side; ++column) {
         const double ahead = (column - 0.5 * (cells_a_side - 1)) * module,
                      left = (0.5 * (cells_a_side - 1) - row) * module;
-        const auto grey = mean({place.x() + c * ahead - s * left, place.y() + s * ahead + c * left});
-        if (!grey) return false;
-        greys[cell(row, column)] = *grey;
+        const auto found = grey({place.x() + c * ahead - s * left, place.y() + s * ahead + c * left});
+        if (!found) return false;
+        greys[cell(row, column)] = *found;
       }
     return true;
   }
 
  private:
-  /// Of the four pixels around a point of the plane, weighted by how near they are.
-  std::optional<double> mean(const Eigen::Vector2d& at) const {
+  /// At a point of the plane.
+  std::optional<double> grey(const Eigen::Vector2d& at) const {
     const auto pixel = pixel_from_world(calibration_, {at.x(), at.y(), calibration_.tag_height});
-    const bool in = pixel && pixel->x() >= 0.0 && pixel->y() >= 0.0 && pixel->x() < frame_.width - 1.0 &&
-                    pixel->y() < frame_.height - 1.0;
-    if (!in) return {};
-    const int u = static_cast<int>(pixel->x()), v = static_cast<int>(pixel->y());
-    const double right = pixel->x() - u, down = pixel->y() - v;
-    const std::uint8_t *upper = frame_.row(v) + u, *lower = frame_.row(v + 1) + u;
-    return (1.0 - down) * ((1.0 - right) * upper[0] + right * upper[1]) +
-           down * ((1.0 - right) * lower[0] + right * lower[1]);
+    return pixel ? grey_at(frame_, pixel->x(), pixel->y()) : std::nullopt;
   }
   const Frame& frame_;
   const Calibration& calibration_;
