@@ -42,12 +42,4 @@ class Inhibitor {
   std::thread thread_;
 };
 
-/// The machine stays awake (systemd's logind, inhibitors "sleep" and "handle-lid-switch"): robots have no watchdog, and
-/// a suspended machine cannot stop them.
-Inhibitor::Answer inhibit_sleep(const std::string& what);
-
-/// The desktop neither blanks nor locks its screen for want of keys (org.freedesktop.ScreenSaver, which GNOME, KDE,
-/// Xfce and others offer): who watches robots touches no key, and cannot stop them behind a locked screen.
-Inhibitor::Answer inhibit_screen_lock(const std::string& what);
-
 }  // namespace skein::comms

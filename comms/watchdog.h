@@ -20,7 +20,8 @@ struct HeartbeatPage {
     std::atomic<std::int64_t> limit{0};  ///< a longer silence stops the robots [ns]
   };
   std::array<Heart, most_hearts> hearts;
-  std::atomic<std::int64_t> guard{0};  ///< the guard's own heartbeat; 0: it has not begun
+  std::atomic<std::int64_t> guard{0};          ///< the guard's own heartbeat; 0: it has not begun
+  std::atomic<std::int32_t> guard_process{0};  ///< likewise
 };
 
 /// A message of the run to its guard, one datagram each; a page and a line carry a descriptor.

@@ -26,6 +26,7 @@
 #include "app/experiment/fault_file.h"
 #include "app/experiment/text_file.h"
 #include "app/guard/guard.h"
+#include "app/guard/run_marker.h"
 #include "app/guard/stop_run.h"
 #include "app/manual/manual.h"
 #include "app/manual/mistakes.h"
@@ -345,7 +346,7 @@ int parse_and_do(int argc, char** argv, const ShowWindow& show_window) {
   CLI::App& guard_command =
       *program.add_subcommand("guard", "Started by a run with real robots: stops them when the run is killed");
   std::string marker;
-  guard_command.add_option("marker", marker, "the file that lists the robots")->required();
+  guard_command.add_option("marker", marker, "the file that lists the robots")->required()->envname(marker_variable);
 
   CLI::App& manual_command = *program.add_subcommand("manual", "Writes its own manual pages into a folder");
   std::string manual_folder;

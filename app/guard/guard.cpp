@@ -6,6 +6,7 @@
 #include <sys/file.h>
 #include <sys/ioctl.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -14,11 +15,13 @@
 #include <atomic>
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string_view>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -31,6 +34,7 @@
 #include "app/run/output.h"
 #include "app/run/terminal_text.h"
 #include "comms/protocol.h"
+#include "comms/system_services.h"
 #include "comms/watchdog.h"
 
 namespace skein::app {
@@ -135,6 +139,7 @@ void Watch::take(const GuardMessage& message, int descriptor) {
     case GuardMessage::Kind::page: {
       void* const memory = ::mmap(nullptr, sizeof(HeartbeatPage), PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0);
       if (memory != MAP_FAILED) page_ = static_cast<HeartbeatPage*>(memory);
+      if (page_) page_->guard_process.store(::getpid());
       ::close(descriptor);
       return;
     }
@@ -161,6 +166,18 @@ double Watch::silence(std::int64_t now) const {
     if (const std::int64_t beat = heart.beat.load(); beat != 0 && now - beat > heart.limit.load())
       longest = std::max(longest, now - beat);
   return 1e-9 * static_cast<double>(longest);
+}
+
+/// Whoever ends the run's process tree or its control group does not end this process.
+void leave_family() {
+  if (::fork() > 0) ::_exit(done);  // the other process is nobody's child; where none can be made, this one stays
+  ::prctl(PR_SET_NAME, guard_name);
+  try {
+    std::thread([] {
+      comms::move_to_own_scope(::getpid(), guard_name, "Stops robots whose program is gone");
+    }).detach();
+  } catch (const std::system_error&) {  // it stays in the group
+  }
 }
 
 /// A robot that only the guard can stop.
@@ -255,6 +272,7 @@ bool reach(const RunMarker& run, const WatchedMarker& marker, const std::vector<
 }  // namespace
 
 int guard(const std::string& marker, int descriptor) {
+  if (std::getenv(marker_variable) != nullptr) leave_family();  // a run has started it, nobody by hand
   ignore_output_signals();
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP, SIGUSR1, SIGUSR2}) std::signal(signal, SIG_IGN);
   sched_param priority{};

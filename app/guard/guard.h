@@ -4,7 +4,8 @@
 
 namespace skein::app {
 
-/// `skein guard MARKER`, started by a run (safety_net.h). Two duties:
+/// `skein guard`, started by a run (safety_net.h), with its marker (run_marker.h). It leaves the run's process tree,
+/// and where there is a service manager its control group. Two duties:
 /// - Watchdog: it holds duplicates of the descriptors of the robots' lines. While the run's threads stall it writes
 ///   the stop on them, until their heartbeats return.
 /// - When the run ends without reporting that all robots stand, it writes the stop on the same lines at once, then

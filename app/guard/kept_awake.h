@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "comms/inhibitor.h"
+#include "comms/system_services.h"
 
 namespace skein::app {
 

@@ -36,6 +36,11 @@ struct RunMarker {
   static tl::expected<RunMarker, std::string> read(const std::string& path);
 };
 
+/// How a guard knows its marker, and others know the guard. Whoever ends all that is called skein (killall, pkill -f)
+/// must spare it: neither its name nor its command line has the word, and this environment variable has the path.
+inline constexpr const char* guard_name = "robot-guard";
+inline constexpr const char* marker_variable = "SKEIN_GUARD_MARKER";
+
 struct WrittenMarker {
   int lock = -1;        ///< the descriptor that holds the marker's lock
   std::string problem;  ///< why it is not in the state directory; empty: it is

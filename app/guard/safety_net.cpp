@@ -56,11 +56,16 @@ class SafetyNet::Keeper {
     const std::lock_guard lock(mutex_);
     return std::exchange(alarms_, {});
   }
-  pid_t process() const { return guard_.load(); }
+  pid_t process() const {
+    const pid_t guard = page_ ? page_->guard_process.load() : 0;
+    return guard > 0 ? guard : -1;
+  }
 
  private:
   tl::expected<void, std::string> start_guard();
   void drop_guard();
+  bool guard_has_ended() const;
+  void forget_starter();
   void run();
   void look_after_guard();
   void alarm(const std::string& sentence);
@@ -74,7 +79,7 @@ class SafetyNet::Keeper {
   std::optional<StopSocket> socket_;
   comms::HeartbeatPage* page_ = nullptr;
   int memory_ = -1, guard_socket_ = -1, wake_ = -1;
-  std::atomic<pid_t> guard_{-1};
+  pid_t starter_ = -1;  // this process's child, which the guard leaves at once; -1: it has been waited for
   std::int64_t started_at_ = 0;
   std::jthread thread_;
 
@@ -115,6 +120,7 @@ tl::expected<void, std::string> SafetyNet::Keeper::start_guard() {
   const auto failed = [](int error) { return tl::unexpected(fmt::format("no guard: {}", std::strerror(error))); };
   started_at_ = comms::monotonic_ns();
   page_->guard.store(0);
+  page_->guard_process.store(0);
   int ends[2];
   if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0) return failed(errno);
   posix_spawn_file_actions_t files;
@@ -130,10 +136,13 @@ tl::expected<void, std::string> SafetyNet::Keeper::start_guard() {
   // A session of its own: Ctrl-C and the end of the terminal are for the run.
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSID | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
   const std::string executable = run_.program.empty() ? "/proc/self/exe" : run_.program;
-  std::string zero = "skein", word = "guard", path = marker_.path;
-  char* const arguments[] = {zero.data(), word.data(), path.data(), nullptr};
+  std::string name = guard_name, word = "guard", marker = fmt::format("{}={}", marker_variable, marker_.path);
+  char* const arguments[] = {name.data(), word.data(), nullptr};
+  std::vector<char*> environment{marker.data()};
+  for (char** variable = environ; *variable != nullptr; ++variable) environment.push_back(*variable);
+  environment.push_back(nullptr);
   pid_t process = -1;
-  const int error = ::posix_spawn(&process, executable.c_str(), &files, &attributes, arguments, environ);
+  const int error = ::posix_spawn(&process, executable.c_str(), &files, &attributes, arguments, environment.data());
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&files);
   ::close(ends[0]);
@@ -141,7 +150,7 @@ tl::expected<void, std::string> SafetyNet::Keeper::start_guard() {
     ::close(ends[1]);
     return failed(error);
   }
-  guard_.store(process);
+  starter_ = process;
   guard_socket_ = ends[1];
   GuardMessage page;
   page.kind = GuardMessage::Kind::page;
@@ -154,6 +163,16 @@ void SafetyNet::Keeper::drop_guard() {
   if (guard_socket_ < 0) return;
   comms::detach_guard(guard_socket_);
   ::close(std::exchange(guard_socket_, -1));
+  page_->guard_process.store(0);
+}
+
+bool SafetyNet::Keeper::guard_has_ended() const {
+  char nothing = 0;
+  return guard_socket_ >= 0 && ::recv(guard_socket_, &nothing, 1, MSG_DONTWAIT) == 0;
+}
+
+void SafetyNet::Keeper::forget_starter() {
+  if (starter_ > 0 && ::waitpid(starter_, nullptr, WNOHANG) == starter_) starter_ = -1;
 }
 
 SafetyNet::Keeper::~Keeper() {
@@ -194,18 +213,15 @@ void SafetyNet::Keeper::alarm(const std::string& sentence) {
 void SafetyNet::Keeper::look_after_guard() {
   const std::int64_t now = comms::monotonic_ns();
   const std::int64_t beat = page_->guard.load();
-  char nothing = 0;
+  forget_starter();
   std::string what;
-  if (guard_socket_ >= 0 && ::recv(guard_socket_, &nothing, 1, MSG_DONTWAIT) == 0) {
+  if (guard_has_ended()) {
     what = "the guard has died";
   } else if (guard_socket_ >= 0 && beat != 0 && now - beat > frozen_after) {
     what = "the guard is frozen";
-    ::kill(guard_.load(), SIGKILL);
+    if (const pid_t guard = process(); guard > 0) ::kill(guard, SIGKILL);
   }
-  if (!what.empty()) {
-    drop_guard();
-    ::waitpid(guard_.exchange(-1), nullptr, 0);
-  }
+  if (!what.empty()) drop_guard();
   if (guard_socket_ >= 0 || (what.empty() && now - started_at_ < between_guards)) return;
   const bool too_soon = now - started_at_ < between_guards;
   const auto started = too_soon ? tl::expected<void, std::string>{} : start_guard();
@@ -258,12 +274,11 @@ void SafetyNet::Keeper::done(const std::vector<StopResult>& robots) {
   if (socket_) socket_->turn([](std::string_view) {}, [&] { return robots; }, /*last=*/true);
   socket_.reset();
   ::close(std::exchange(lock_, -1));
-  drop_guard();
-  const pid_t guard = guard_.exchange(-1);
-  if (!well || guard <= 0) return;
   // It ends at once, unless it is frozen; this is not waited for.
-  for (int look = 0; look < 500 && ::waitpid(guard, nullptr, WNOHANG) == 0; ++look)
+  for (int look = 0; well && guard_socket_ >= 0 && look < 500 && !guard_has_ended(); ++look)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  drop_guard();
+  forget_starter();
 }
 
 SafetyNet::SafetyNet() = default;

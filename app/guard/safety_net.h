@@ -37,7 +37,7 @@ class SafetyNet {
   void on_stop(std::function<void()> stop, std::function<std::vector<StopResult>()> results);
   /// Sentences about what has happened to the guard since the last call. Any thread.
   std::vector<std::string> alarms();
-  /// The process of the present guard; -1: none. Any thread.
+  /// The process of the present guard; -1: none, or it has not begun yet. Any thread.
   pid_t guard_process() const;
 
   /// The run is over. If a robot has not acknowledged its stop, the guard keeps trying, and the marker stays. `robots`:

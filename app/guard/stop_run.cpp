@@ -72,16 +72,17 @@ std::vector<StopResult> all_of(const RunMarker& run, bool stopped, const std::st
 /// The guard of this run, frozen or not.
 std::unique_ptr<Process> guard_of(const RunMarker& run) {
   namespace fs = std::filesystem;
-  const std::string words = std::string("guard\0", 6) + run.path + '\0';
+  const std::string marker = fmt::format("{}={}", marker_variable, run.path);
   std::error_code gone;
   for (const fs::directory_entry& entry : fs::directory_iterator("/proc", gone)) {
     const std::string name = entry.path().filename();
     pid_t number = 0;
     if (std::from_chars(name.data(), name.data() + name.size(), number).ptr != name.data() + name.size()) continue;
     auto process = std::make_unique<Process>(number);  // first: the number may be another's a moment later
-    std::ifstream file(entry.path() / "cmdline");
-    const std::string said{std::istreambuf_iterator<char>(file), {}};
-    if (process->known() && said.ends_with(words)) return process;
+    std::ifstream environment(entry.path() / "environ");
+    std::string first;
+    std::getline(environment, first, '\0');
+    if (process->known() && first == marker) return process;
   }
   return nullptr;
 }

@@ -1,5 +1,5 @@
 // Against message buses of its own, with a logind and a desktop that grant or refuse.
-#include "comms/inhibitor.h"
+#include "comms/system_services.h"
 
 #include <gtest/gtest.h>
 

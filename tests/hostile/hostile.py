@@ -223,6 +223,46 @@ def group_killed(lab):
     return robots.blind(since)
 
 
+def family_killed(lab, members):
+    """Kills at once every process of the run that `members(run)` names, the run first."""
+    robots = lab.emulate()
+    run = lab.run(robots)
+    mine = {run.pid, lab.guard_of(run)}
+    since = time.monotonic()
+    for pid in sorted(mine & members(run), key=lambda pid: pid != run.pid):
+        os.kill(pid, signal.SIGKILL)
+    if run.wait() != -signal.SIGKILL:
+        raise Failed("the run itself was not killed")
+    stands(robots)
+    return robots.blind(since)
+
+
+def named(*words):
+    """What a program that looks for processes by name finds."""
+    return {int(pid) for pid in subprocess.run(words, capture_output=True, text=True).stdout.split()}
+
+
+@case("SIGKILL for all that is called skein (`pidof`, as `killall`)")
+def all_called_skein_killed(lab):
+    return family_killed(lab, lambda run: named("pidof", "skein") | named("pgrep", "skein"))
+
+
+@case("SIGKILL for all whose command line has skein in it (`pkill -f`)")
+def all_commands_of_skein_killed(lab):
+    return family_killed(lab, lambda run: named("pgrep", "-f", "skein"))
+
+
+@case("SIGKILL for the run and all its descendants (an editor's stop button)")
+def process_tree_killed(lab):
+    def tree(run):
+        parents = lab.parents()
+        found = {run.pid}
+        while more := {pid for pid, parent in parents.items() if parent in found} - found:
+            found |= more
+        return found
+    return family_killed(lab, tree)
+
+
 @case("run and guard frozen for 2 s (from their waking on)")
 def both_frozen(lab):
     robots = lab.emulate()

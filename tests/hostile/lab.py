@@ -1,4 +1,5 @@
 """One run of `skein` against emulated robots, and how far each drove blind. Python's standard library alone."""
+import contextlib
 import fcntl
 import os
 import pathlib
@@ -247,18 +248,28 @@ class Lab:
                               stdin=subprocess.DEVNULL, capture_output=True, timeout=seconds)
         return done.returncode, done.stdout + done.stderr
 
-    def guard_of(self, process):
+    def parents(self):
+        """The parent of each process of the machine."""
+        found = {}
         for entry in pathlib.Path("/proc").iterdir():
-            if not entry.name.isdigit():
-                continue
-            try:
-                words = (entry / "cmdline").read_bytes().split(b"\0")
-                parent = int((entry / "stat").read_text().rsplit(")", 1)[1].split()[1])
-            except (OSError, ValueError):
-                continue
-            if parent == process.pid and len(words) > 1 and words[1] == b"guard":
-                return int(entry.name)
-        return None
+            with contextlib.suppress(OSError, ValueError):
+                found[int(entry.name)] = int((entry / "stat").read_text().rsplit(")", 1)[1].split()[1])
+        return found
+
+    def guards(self):
+        """The guards of this case: their markers are in its folder."""
+        marker = f"SKEIN_GUARD_MARKER={self.case}/".encode()
+        found = []
+        for entry in pathlib.Path("/proc").iterdir():
+            with contextlib.suppress(OSError, ValueError):
+                if (entry / "comm").read_text() == "robot-guard\n" and (entry / "environ").read_bytes().startswith(marker):
+                    found.append(int(entry.name))
+        return found
+
+    def guard_of(self, run):
+        """The guard of the case's only run, or None."""
+        guards = self.guards() if run.poll() is None else []
+        return guards[0] if guards else None
 
     def markers(self):
         state = self.case / "state" / "skein"
@@ -270,13 +281,9 @@ class Lab:
                 for what in (signal.SIGCONT, signal.SIGKILL):
                     os.kill(process.pid, what)
                 process.wait()
-        # The guards of this case: they know themselves by its folder.
-        for entry in pathlib.Path("/proc").iterdir():
-            try:
-                if entry.name.isdigit() and str(self.case).encode() in (entry / "cmdline").read_bytes():
-                    os.kill(int(entry.name), signal.SIGKILL)
-            except OSError:
-                pass
+        for guard in self.guards():
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(guard, signal.SIGKILL)
         for robots in self.robots:
             robots.end()
         if self.bus:

@@ -7,6 +7,7 @@
 #include "app/run/output.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <poll.h>
 #include <signal.h>
@@ -35,7 +36,6 @@
 #include "comms/link_supervisor.h"
 #include "tests/eventually.h"
 #include "tests/places.h"
-#include "tests/processes.h"
 #include "tests/seconds.h"
 
 extern char** environ;
@@ -84,9 +84,11 @@ class DyingProgram : public testing::Test {
     std::vector<pid_t> all;
     std::error_code gone;
     for (const auto& process : fs::directory_iterator("/proc", gone)) {
-      const std::string words = test::words_of_process(process.path());
-      const std::string guard("guard\0", 6);
-      if (words.find(guard + state_.string()) != std::string::npos) all.push_back(std::stoi(process.path().filename()));
+      std::string name, first;
+      std::getline(std::ifstream(process.path() / "comm"), name);
+      std::getline(std::ifstream(process.path() / "environ"), first, '\0');
+      if (name == guard_name && first.starts_with(fmt::format("{}={}/", marker_variable, state_.string())))
+        all.push_back(std::stoi(process.path().filename()));
     }
     return all;
   }
@@ -267,8 +269,8 @@ TEST_F(DyingProgram, AGuardThatDiesIsNoticedAndThereIsANewOne) {
   const std::vector<comms::LinkAddress> robots{comms::parse_link_address("serial:" + ptys.device(0)).value()};
   auto net = SafetyNet::spread({"guarded", robots, test::program()});
   ASSERT_TRUE(net) << net.error();
+  ASSERT_TRUE(eventually([&] { return net->guard_process() > 0; }));
   const pid_t first = net->guard_process();
-  ASSERT_GT(first, 0);
   std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // one that dies at once is not started again at once
   ::kill(first, SIGKILL);
   EXPECT_TRUE(eventually([&] { return net->guard_process() > 0 && net->guard_process() != first; }));
@@ -276,6 +278,17 @@ TEST_F(DyingProgram, AGuardThatDiesIsNoticedAndThereIsANewOne) {
   ASSERT_TRUE(eventually([&] { return !(alarms = net->alarms()).empty(); }));
   EXPECT_NE(alarms[0].find("the guard has died"), std::string::npos) << alarms[0];
   net->done({{comms::to_text(robots[0]), true}});
+}
+
+TEST_F(DyingProgram, WhoeverEndsItsProcessTreeOrAllThatIsCalledSkeinSparesTheGuard) {
+  start(test::program());
+  if (HasFatalFailure()) return;
+  const fs::path process = "/proc/" + std::to_string(guard());
+  std::ostringstream status, words;
+  status << std::ifstream(process / "status").rdbuf();
+  words << std::ifstream(process / "cmdline").rdbuf();
+  EXPECT_EQ(status.str().find("\nPPid:\t" + std::to_string(pid_) + "\n"), std::string::npos) << "a child of the run";
+  EXPECT_EQ(words.str(), std::string("robot-guard\0guard\0", 18));
 }
 
 TEST_F(DyingProgram, StopFromOutsideReachesARunThroughItsSocket) {
@@ -528,7 +541,7 @@ TEST_F(DyingProgram, WhereTheMarkerCannotBeWrittenTheReasonIsSaid) {
   const std::vector<std::string> alarms = net->alarms();
   ASSERT_EQ(alarms.size(), 1u);
   EXPECT_NE(alarms[0].find("/proc/nowhere/skein/run-"), std::string::npos) << alarms[0];
-  EXPECT_GT(net->guard_process(), 0) << "it is guarded all the same";
+  EXPECT_TRUE(eventually([&] { return net->guard_process() > 0; })) << "it is guarded all the same";
   EXPECT_EQ(all_markers().size(), 1u) << "and found by the next start";
   ::setenv("XDG_STATE_HOME", state_.c_str(), 1);
   EXPECT_TRUE(all_markers().empty()) << "of whoever has the same state directory";
