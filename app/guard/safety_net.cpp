@@ -18,6 +18,7 @@
 #include <future>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -25,6 +26,7 @@
 #include "app/guard/run_marker.h"
 #include "app/run/output.h"
 #include "comms/link_supervisor.h"
+#include "comms/power_down_delay.h"
 #include "comms/watchdog.h"
 
 extern char** environ;
@@ -50,7 +52,7 @@ class SafetyNet::Keeper {
   Keeper& operator=(const Keeper&) = delete;
 
   tl::expected<void, std::string> begin();
-  void on_stop(std::function<void()> stop, std::function<std::vector<StopResult>()> results);
+  void on_stop(Stop stop, std::function<std::vector<StopResult>()> results);
   void done(const std::vector<StopResult>& robots);
   std::vector<std::string> alarms() {
     const std::lock_guard lock(mutex_);
@@ -70,13 +72,16 @@ class SafetyNet::Keeper {
   void look_after_guard();
   void alarm(const std::string& sentence);
   void end_thread();
-  void heard(std::string_view word);
+  void stop(const std::string& why);
+  void heed_power_down();
   std::vector<StopResult> results();
 
   const Run run_;
   RunMarker marker_;
   int lock_ = -1;  // the marker's
   std::optional<StopSocket> socket_;
+  std::optional<comms::PowerDownDelay> power_down_;  // until the robots stand after an announcement
+  bool powers_down_ = false;
   comms::HeartbeatPage* page_ = nullptr;
   int memory_ = -1, guard_socket_ = -1, wake_ = -1;
   pid_t starter_ = -1;  // this process's child, which the guard leaves at once; -1: it has been waited for
@@ -84,9 +89,9 @@ class SafetyNet::Keeper {
   std::jthread thread_;
 
   std::recursive_mutex calls_;  // held while a callback runs
-  std::function<void()> stop_;
+  Stop stop_;
   std::function<std::vector<StopResult>()> results_;
-  bool asked_ = false;
+  std::string why_;  // of the STOP; empty: none has come
   std::mutex mutex_;
   std::vector<std::string> alarms_;  // guarded by mutex_
   std::string last_alarm_;           // likewise; the same is not said every second
@@ -112,6 +117,7 @@ tl::expected<void, std::string> SafetyNet::Keeper::begin() {
     page_ = new (memory) comms::HeartbeatPage;
     if (const auto guarded = start_guard(); !guarded) alarm(guarded.error());  // and is tried again
   }
+  if (!run_.robots.empty()) power_down_.emplace(run_.name);
   thread_ = std::jthread([this] { run(); });
   return {};
 }
@@ -197,8 +203,12 @@ void SafetyNet::Keeper::run() {
         {guard_socket_, POLLIN, 0}, {socket_ ? socket_->descriptor() : -1, POLLIN, 0}, {wake_, POLLIN, 0}};
     ::poll(polled, std::size(polled), socket_ && socket_->waits() ? poll_often : poll_every);
     try {
-      if (socket_) socket_->turn([this](std::string_view word) { heard(word); }, [this] { return results(); });
+      const auto heard = [this](std::string_view word) {
+        if (word == "stop") stop("STOP from outside this program (`skein stop`, `skein robots stop`)");
+      };
+      if (socket_) socket_->turn(heard, [this] { return results(); });
       if (!run_.robots.empty()) look_after_guard();
+      if (power_down_) heed_power_down();
     } catch (const std::exception& error) {
       alarm(error.what());
     }
@@ -232,18 +242,34 @@ void SafetyNet::Keeper::look_after_guard() {
                                 : ": " + started.error()));
 }
 
-void SafetyNet::Keeper::on_stop(std::function<void()> stop, std::function<std::vector<StopResult>()> results) {
+void SafetyNet::Keeper::heed_power_down() {
+  using Announced = comms::PowerDownDelay::Announced;
+  switch (power_down_->turn()) {
+    case Announced::nothing:
+      break;
+    case Announced::suspend:
+      powers_down_ = true;
+      stop("STOP: this machine is about to be suspended");
+      break;
+    case Announced::shutdown:
+      powers_down_ = true;
+      stop("STOP: this machine is about to be shut down");
+      break;
+  }
+  if (powers_down_ && all_stand(results())) power_down_.reset();
+}
+
+void SafetyNet::Keeper::on_stop(Stop stop, std::function<std::vector<StopResult>()> results) {
   const std::lock_guard lock(calls_);
   stop_ = std::move(stop);
   results_ = std::move(results);
-  if (asked_ && stop_) stop_();
+  if (!why_.empty() && stop_) stop_(why_);
 }
 
-void SafetyNet::Keeper::heard(std::string_view word) {
-  if (word != "stop") return;
+void SafetyNet::Keeper::stop(const std::string& why) {
   const std::lock_guard lock(calls_);
-  asked_ = true;
-  if (stop_) stop_();
+  why_ = why;
+  if (stop_) stop_(why);
 }
 
 std::vector<StopResult> SafetyNet::Keeper::results() {
@@ -293,7 +319,7 @@ tl::expected<SafetyNet, std::string> SafetyNet::spread(const Run& run) {
   return net;
 }
 
-void SafetyNet::on_stop(std::function<void()> stop, std::function<std::vector<StopResult>()> results) {
+void SafetyNet::on_stop(Stop stop, std::function<std::vector<StopResult>()> results) {
   if (keeper_) keeper_->on_stop(std::move(stop), std::move(results));
 }
 std::vector<std::string> SafetyNet::alarms() {

@@ -16,8 +16,9 @@
 namespace skein::app {
 
 /// Stops the robots when the program dies or freezes: a marker (run_marker.h), `skein guard` (guard.h), a separate
-/// process, and the stop socket through which other programs stop the run. A thread supervises them: when the guard
-/// dies or freezes, a new one is started within a second. Move-only.
+/// process, the stop socket through which other programs stop the run, and a delay of the machine's suspend and
+/// shutdown until the robots stand. A thread supervises them: when the guard dies or freezes, a new one is started
+/// within a second. Move-only.
 class SafetyNet {
  public:
   struct Run {
@@ -32,9 +33,12 @@ class SafetyNet {
   SafetyNet& operator=(SafetyNet&& other) noexcept;
   ~SafetyNet();  ///< without done(): as if the program had died
 
-  /// Sets the action of an external STOP, and the query for the robots' states after it. Both are called on the net's
-  /// thread, until done() or until empty functions are set. A STOP that came before is executed at once.
-  void on_stop(std::function<void()> stop, std::function<std::vector<StopResult>()> results);
+  /// What stops the robots. `why`: a sentence for the operator.
+  using Stop = std::function<void(const std::string& why)>;
+  /// Sets the action of an external STOP, by another program or before the machine is suspended or shut down, and the
+  /// query for the robots' states after it. Both are called on the net's thread, until done() or until empty functions
+  /// are set. A STOP that came before is executed at once.
+  void on_stop(Stop stop, std::function<std::vector<StopResult>()> results);
   /// Sentences about what has happened to the guard since the last call. Any thread.
   std::vector<std::string> alarms();
   /// The process of the present guard; -1: none, or it has not begun yet. Any thread.

@@ -78,7 +78,8 @@ tl::expected<std::unique_ptr<Session>, std::string> Session::open(const Experime
     i.loop->start_thread();
     i.supervisor_thread = std::jthread([&i](const std::stop_token& token) { i.supervise(token); });
     if (i.net)
-      i.net->on_stop([&i] { i.stop_from_outside(); }, [&i] { return stop_results(i.experiment, i.plant->robots()); });
+      i.net->on_stop([&i](const std::string& why) { i.stop_from_outside(why); },
+                     [&i] { return stop_results(i.experiment, i.plant->robots()); });
   }
   return std::unique_ptr<Session>(new Session(std::move(impl)));
 }

@@ -122,10 +122,10 @@ struct SessionWiring {
     plant->stop();
   }
 
-  void stop_from_outside() {
+  void stop_from_outside(const std::string& why) {
     {
       const std::lock_guard lock(failure_mutex);
-      alarms.emplace_back("STOP from outside this program (`skein stop`, `skein robots stop`)");
+      alarms.push_back(why);
     }
     stop();
   }

@@ -46,7 +46,8 @@ tl::expected<std::unique_ptr<DrivenPlant>, std::string> DrivenPlant::open(Experi
   }
   driven->plant_ = std::move(*plant);
   if (net)
-    net->on_stop([&self] { self.stop(); }, [&self] { return stop_results(self.experiment_, self.plant_->robots()); });
+    net->on_stop([&self](const std::string&) { self.stop(); },
+                 [&self] { return stop_results(self.experiment_, self.plant_->robots()); });
   return driven;
 }
 

@@ -66,7 +66,7 @@ tl::expected<RobotPing, std::string> ping_robots(const Experiment& experiment, c
   link_options.battery_period = link_battery_period;
   comms::LinkSupervisor links(lines->addresses, link_options);
   if (net)
-    net->on_stop([&] { stop_asked = true; },
+    net->on_stop([&](const std::string&) { stop_asked = true; },
                  [&] {  // robots that are still being pinged are commanded to stand by the end of this
                    std::vector<StopResult> robots;
                    for (const comms::LinkAddress& robot : *real)

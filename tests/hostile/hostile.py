@@ -508,7 +508,25 @@ def sleep_inhibited(lab):
     return robots.blind(since)
 
 
-@case("likewise: a robot that does not acknowledge its stop")
+@case("the machine is shut down: that waits until the robots stand")
+def shut_down(lab):
+    logind = lab.logind()
+    if logind is None:
+        return None
+    robots = lab.emulate()
+    run = lab.run(robots)
+    wait_until("the machine is kept awake", lambda: logind.inhibitors == 1, 5.0)
+    since = time.monotonic()
+    logind.shut_down()
+    wait_until("the machine is shut down", lambda: logind.down, 5.0)
+    if not robots.all_stand():
+        raise Failed("the machine is shut down while robots drive")
+    lab.hears("STOP: this machine is about to be shut down")
+    ends(run)
+    return robots.blind(since)
+
+
+@case("sleep is still inhibited for a robot that does not acknowledge its stop")
 def sleep_inhibited_longer(lab):
     logind = lab.logind()
     if logind is None:

@@ -125,11 +125,20 @@ class Logind:
         self.process = subprocess.Popen([program], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         self.address = self.process.stdout.readline().strip()
         self.inhibitors = 0
+        self.down = False
         threading.Thread(target=self._read, daemon=True).start()
 
     def _read(self):
         for line in self.process.stdout:
-            self.inhibitors = int(line)
+            if line == "down\n":
+                self.down = True
+            else:
+                self.inhibitors = int(line)
+
+    def shut_down(self):
+        """From now on the machine is about to be shut down; `down`: nobody delays that any more."""
+        self.process.stdin.write("\n")
+        self.process.stdin.flush()
 
     def end(self):
         self.process.stdin.close()

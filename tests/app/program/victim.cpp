@@ -23,7 +23,7 @@ int main(int argc, char** argv) {
     return std::fprintf(stderr, "victim: %s\n", started.error().c_str()), 1;
   if (net)
     net->on_stop(
-        [&] { links.emergency_stop(); },
+        [&](const std::string&) { links.emergency_stop(); },
         [&] {
           std::vector<app::StopResult> results;
           for (const comms::LinkStatus& status : links.status())
