@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdlib>
 #include <string>
@@ -85,6 +86,23 @@ TEST_F(KeptAwakeWhileToolsDrive, OrTheOperatorIsToldWhyNot) {
   std::vector<std::string> said;
   EXPECT_TRUE(driven_awake(logind, &said));
   EXPECT_THAT(said, Contains(HasSubstr("may suspend while robots drive: Access denied")));
+}
+
+TEST_F(KeptAwakeWhileToolsDrive, AShutdownStopsTheRobotAndWaitsForThat) {
+  FakeLogind logind(bus);
+  const auto driven = DrivenPlant::open(one_real_robot(), {}, [](const std::string&) {});
+  ASSERT_TRUE(driven) << driven.error();
+  ASSERT_TRUE(eventually([&] { return logind.delays() == 1; }));
+  const auto drives = [&] { return robots.wheels(0).left > 0.0; };
+  ASSERT_TRUE(eventually([&] {
+    (*driven)->plant().act(std::array{core::WheelSpeeds{300, 300}});
+    return drives();
+  }));
+  logind.announce("PrepareForShutdown", true);
+  EXPECT_TRUE(eventually([&] { return logind.delays() == 0; }));
+  EXPECT_FALSE(drives()) << "the machine is switched off while the robot drives";
+  EXPECT_FALSE((*driven)->keep_on());
+  EXPECT_TRUE((*driven)->close());
 }
 
 TEST_F(KeptAwakeWhileToolsDrive, AlsoByAPing) {
