@@ -248,7 +248,7 @@ void TickState::watch_delay(const TickInput& input) noexcept {
   if (!sees_commands || input.recorded || told_of_delay || !moving()) return;
   const std::size_t i = compared = (compared + 1) % robots();
   const core::ObedienceWatch& robot = obedience[i];
-  if (robot.motion() && !record.robots[i].is(lost))
+  if (robot.motion())  // of one that is lost there is none
     delay_watch.see(filters[i], robot.first_sight(), robot.newest_sight(), 0.5 * experiment.robots[i].drive.track);
   const std::optional<double> late = delay_watch.late();
   if (!late) return;
