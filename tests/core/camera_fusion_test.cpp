@@ -106,6 +106,15 @@ TEST(CameraFusion, DoesNotBelieveAJumpThatOneOfTwoSeesAndSaysOnceThatTheyDisagre
   EXPECT_NEAR(floor.pose().x, 0.1, 1e-3);
 }
 
+TEST(CameraFusion, FramesThatAreTornNowAndThenAreNoDisagreement) {
+  Floor floor;
+  for (int k = 0; k < 500; ++k) {
+    floor.poses[1].x = k % 25 == 24 ? 0.4 : 0.1;
+    for (const auto& outcome : floor.frame()) EXPECT_FALSE(outcome.disagreement) << k;
+    EXPECT_NEAR(floor.pose().x, 0.1, 1e-3);
+  }
+}
+
 TEST(CameraFusion, APoseDoesNotJumpWhereCalibrationsDifferButFadesToTheCameraThatIsLeft) {
   Floor floor;
   floor.sees[1] = false;

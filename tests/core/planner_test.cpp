@@ -621,6 +621,20 @@ TEST(Planner, WhoIsSeenLaterThanTheFirstTickIsPlannedWithTheOthers) {
   }
 }
 
+/// The other one follows its line already: it had met nobody. Whoever has a line that crosses it gets its route at
+/// once, and arrives as soon as if it had been seen from the first tick on.
+TEST(Planner, WhoIsSeenWhileAnotherDrivesIsComparedWithIt) {
+  Scene scene;
+  scene.starts = {{-0.4, 0.0, 0.0}, {0.0, -0.4, 0.5 * core::pi}};
+  scene.lines.add(scene.starts[0], {0.4, 0.0, 0.0});
+  scene.lines.add(scene.starts[1], {0.0, 0.4, 0.0});
+  const Outcome at_once = run(scene);
+  scene.seen_from = [](std::size_t i) { return i == 1 ? 0.08 : 0.0; };
+  const Outcome late = run(scene);
+  EXPECT_GT(late.arrived, 0.0);
+  EXPECT_LE(late.arrived, at_once.arrived + 0.2);
+}
+
 /// A first plan lets some wait for many: better ways are sought while everybody drives. The control keeps the first;
 /// while routes kept 20 mm more than the shield's distance, it took 1.41, 1.55 and 1.35 times the longest straight line
 /// at v_max in the first three.
