@@ -301,6 +301,73 @@ TEST_F(DyingProgram, StopFromOutsideReachesARunThroughItsSocket) {
   EXPECT_NE(said.find("serial:" + ptys.device(0) + ": stopped"), std::string::npos) << said;
 }
 
+TEST_F(DyingProgram, ARunThatDoesNotRespondToStopIsAFailure) {
+  const RunMarker marker = leave_behind();
+  const auto nobody_answers = StopSocket::listen(marker.socket());
+  ASSERT_TRUE(nobody_answers) << nobody_answers.error();
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(stop_runs(), device_failed);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(),
+            "skein: the run \"gone\" does not respond to STOP: `skein robots stop` ends it\n");
+  marker.forget();
+}
+
+TEST_F(DyingProgram, ARunWhoseMarkerCannotBeReadMayDriveOn) {
+  fs::create_directories(state_ / "skein");
+  fs::permissions(state_ / "skein", fs::perms::owner_all);
+  const auto unreadable =
+      StopSocket::listen((state_ / "skein" / "run-odd").string());  // a socket, which not even root opens
+  ASSERT_TRUE(unreadable) << unreadable.error();
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(stop_runs(), device_failed);
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_NE(said.find("run-odd: cannot be read: "), std::string::npos) << said;
+  EXPECT_NE(said.find("a run that is not found here is not stopped"), std::string::npos) << said;
+}
+
+TEST_F(DyingProgram, ARunWhoseRobotIsNotKnownToStandIsNotForgotten) {
+  RunMarker marker{{}, "gone", {{comms::LinkKind::serial, "/nowhere"}}};
+  const auto written = write_marker(marker);
+  ASSERT_TRUE(written) << written.error();
+  ::close(written->lock);
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(stop_robots({}), device_failed);
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_NE(said.find("serial:/nowhere: NOT known to be stopped"), std::string::npos) << said;
+  EXPECT_EQ(bad_ends().size(), 1u) << "the next start knows of it";
+  testing::internal::CaptureStderr();
+  EXPECT_FALSE(stop_left_behind(bad_ends())) << "as the window stops them";
+  testing::internal::GetCapturedStderr();
+  EXPECT_EQ(bad_ends().size(), 1u);
+}
+
+/// Robots are stopped on their own lines, which a guard that is stuck might hold.
+TEST_F(DyingProgram, AGuardThatDoesNotRespondIsEnded) {
+  const RunMarker marker = leave_behind();
+  std::vector<std::string> words{"sh", "-c", "while :; do sleep 0.1; done", "guard", marker.path};
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  ASSERT_EQ(::posix_spawn(&pid_, "/bin/sh", nullptr, nullptr, arguments.data(), environ), 0);
+  ASSERT_TRUE(eventually([this] { return guards() == 1; }));
+  testing::internal::CaptureStderr();
+  EXPECT_TRUE(stop_run(marker).by_hand);
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_NE(said.find("the guard of the run \"gone\" does not respond: ending it"), std::string::npos) << said;
+  EXPECT_EQ(guards(), 0u);
+  marker.forget();
+}
+
+TEST_F(DyingProgram, AMarkerWithADamagedLineNamesTheOtherRobots) {
+  fs::create_directories(state_ / "skein");
+  const fs::path path = state_ / "skein" / "run-damaged";
+  std::ofstream(path) << "skein run damaged\nnonsense\t\t\nserial:/dev/a\t\t\n";
+  fs::permissions(path, fs::perms::owner_read | fs::perms::owner_write);
+  const std::vector<RunMarker> found = all_markers();
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].names(), "serial:/dev/a");
+}
+
 TEST_F(DyingProgram, RobotsStopReachesARunThatIsFrozen) {
   start(test::program());
   if (HasFatalFailure()) return;
