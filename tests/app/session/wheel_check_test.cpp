@@ -6,6 +6,7 @@
 
 #include "app/session/session.h"
 #include "tests/app/experiment_texts.h"
+#include "tests/eventually.h"
 
 namespace skein::app {
 namespace {
@@ -43,6 +44,17 @@ TEST_F(WheelChecks, OneThatDoesAsItIsTold) {
   EXPECT_GT(test->left_steps, 20);
   EXPECT_FALSE(session->wheel_check()) << "it is told once";
   ASSERT_TRUE(session->check_wheels(0)) << "and another may be tested";
+}
+
+TEST_F(WheelChecks, OneThatHasBeenTestedDrivesWithTheOthers) {
+  open();
+  ASSERT_TRUE(session->check_wheels(2));
+  const auto test = result();
+  ASSERT_TRUE(test) << test.error();
+  ASSERT_TRUE(session->start());
+  const auto steps = [this] { return session->robots()[2].count.left; };
+  const double before = steps();
+  EXPECT_TRUE(skein::test::eventually([&] { return steps() > before + 200.0; })) << steps() - before;
 }
 
 TEST_F(WheelChecks, SwappedWheelsAreNamedAndOthersStand) {

@@ -192,6 +192,49 @@ TEST(Staging, AfterTheRunTheyMayDriveBack) {
   EXPECT_LT(statistics.summary().final_error, 0.002) << "the way back is none of the run";
 }
 
+/// Everybody at its start, and a tick that has just been told to stage.
+struct AtTheStarts {
+  Experiment e = good(paper_experiment().source, {"perturb=[]"});
+  ControlTick tick{e};
+  std::vector<core::Measurement> measured = std::vector<core::Measurement>(e.robots.size());
+  double now = 0.0;
+
+  AtTheStarts() {
+    for (std::size_t i = 0; i < measured.size(); ++i) measured[i].pose = make_reference(e)->at(i, 0.0).pose;
+  }
+  /// A tick later. `unseen`: robots from the first on.
+  Phase step(std::size_t unseen = 0) {
+    const OperatorCommand stage = commands::Stage{};
+    for (std::size_t i = unseen; i < measured.size(); ++i) measured[i].captured_at = now;
+    TickInput input;
+    input.now = now;
+    input.measurements = measured;
+    if (now == 0.0) input.commands = {&stage, 1};
+    now += e.period();
+    return tick.step(input).phase;
+  }
+};
+
+TEST(Staging, IsOverWhenEverybodyHasStoodForHalfASecondOnEnd) {
+  AtTheStarts robots;
+  for (int k = 0; k < 60; ++k) {
+    const double turned = k % 10 == 5 ? 0.06 : 0.0;  // more than staging is content with
+    robots.measured[0].pose.theta += turned;
+    EXPECT_EQ(robots.step(), Phase::staging) << k;
+    robots.measured[0].pose.theta -= turned;
+  }
+  for (int k = 0; k < 20; ++k) robots.step();
+  EXPECT_EQ(robots.step(), Phase::ready);
+}
+
+TEST(Staging, IsNotOverWhileARobotIsNotSeenAtItsStart) {
+  AtTheStarts robots;
+  for (int k = 0; k < 5; ++k) robots.step();
+  for (int k = 0; k < 60; ++k) EXPECT_EQ(robots.step(1), Phase::staging) << k;
+  for (int k = 0; k < 20; ++k) robots.step();
+  EXPECT_EQ(robots.step(), Phase::ready) << "it is seen again";
+}
+
 TEST(Staging, StopEndsIt) {
   const Experiment e = good(paper_experiment().source, disorder);
   ControlTick tick(e);
