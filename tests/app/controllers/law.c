@@ -4,6 +4,7 @@
 #include "app/controllers/skein_controller.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const skein_parameter parameters[] = {
@@ -28,7 +29,10 @@ static void step(void* state, skein_memory* memory) {
 static const skein_controller controller = {SKEIN_CONTROLLER_VERSION, 2, 2, parameters, logs, 0, step, 0};
 
 const skein_controller* skein_controller_v1(void) {
-  return &controller;
+  static skein_controller other;
+  other = controller;
+  if (getenv("SKEIN_TEST_LAW_OF_ANOTHER_VERSION")) ++other.version;
+  return &other;
 }
 
 /* skein_test_law [REFUSAL]: the same as a program; with words it refuses. */

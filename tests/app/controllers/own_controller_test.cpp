@@ -481,6 +481,25 @@ TEST(OwnController, OneThatHangsIsEndedAndCostsTheTickItsDeadlineAlone) {
   }
 }
 
+/// It is the 25th time in a row that ends a run.
+TEST(OwnController, OneThatIsLateNowAndThenGoesOn) {
+  if (std::system("python3 -c 'import sys; sys.exit(sys.version_info < (3, 9))' 2>/dev/null") != 0)
+    GTEST_SKIP() << "no python3";
+  const Outcome run = outcome_of(experiment_of({python_law("tardy_law.py",
+                                                           "import time\n"
+                                                           "asked = 0\n"
+                                                           "def step(tick):\n"
+                                                           "    global asked\n"
+                                                           "    asked += 1\n"
+                                                           "    if asked % 5 == 0: time.sleep(0.03)\n"
+                                                           "skein.controller.run(step)\n"),
+                                                "controller.deadline=0.02"}));
+  EXPECT_EQ(run.error, "");
+  EXPECT_EQ(run.failure, "");
+  EXPECT_EQ(run.end, Phase::finished);
+  EXPECT_GT(run.report.late, 30);
+}
+
 TEST(OwnController, NothingThatItStartsOutlivesTheRun) {
   ASSERT_EQ(adversary_of(13), Adversary::fork);
   const Outcome run = outcome_of(experiment_of({host("--adversary 13"), "controller.processes=100", "duration=4"}));
@@ -514,6 +533,14 @@ TEST(OwnController, ThatCannotDriveIsRefusedBeforeTheRunWithTheReason) {
               HasSubstr("controller.log: the controller logs no \"x\""));
   EXPECT_THAT(error({"controller.library=\"no_such.so\""}), HasSubstr("controller.library: "));
   EXPECT_THAT(error({fmt::format("controller.library=\"{}\"", law_program())}), HasSubstr("controller.library: "));
+}
+
+/// Its function may expect other arguments.
+TEST(OwnController, ALibraryOfAnotherVersionIsRefused) {
+  ::setenv("SKEIN_TEST_LAW_OF_ANOTHER_VERSION", "1", 1);
+  const Outcome run = outcome_of(experiment_of({fmt::format("controller.library=\"{}.so\"", law_program())}));
+  ::unsetenv("SKEIN_TEST_LAW_OF_ANOTHER_VERSION");
+  EXPECT_THAT(run.error, HasSubstr("skein_test_law.so is not for version 1"));
 }
 
 TEST(OwnController, WhoseRangesHoldNoNumberIsRefusedAtTheStart) {
