@@ -29,5 +29,18 @@ TEST(RunEnd, DamagedFramesOfTheCameraAreSaid) {
   EXPECT_TRUE(said(139, "").starts_with("139 damaged frames of video:run.avi were left out, and showed no robot|"));
 }
 
+TEST(RunEnd, ARobotThatMayStillDriveIsAFailureOfTheDevice) {
+  auto experiment = parse_experiment(paper_experiment().source, "e.toml", {});
+  ASSERT_TRUE(experiment);
+  experiment->expect = {};
+  Statistics::Summary summary;
+  EXPECT_EQ(verdict_of(summary, *experiment).exit_status, done) << "the control";
+  summary.not_stopped = {1};
+  const RunVerdict verdict = verdict_of(summary, *experiment);
+  EXPECT_EQ(verdict.exit_status, device_failed);
+  ASSERT_EQ(verdict.problems.size(), 1u);
+  EXPECT_TRUE(verdict.problems[0].starts_with("robot 2 has NOT acknowledged its stop and may still be driving"));
+}
+
 }  // namespace
 }  // namespace skein::app

@@ -126,6 +126,9 @@ TEST(RunIndex, ATextIsNoNumberAndIsRefusedWhereAllRunsHaveOne) {
   auto with_both = RunIndex::open(four.runs.path).value();
   EXPECT_EQ(found(with_both, "saturation > 4"), (Days{"5"})) << "a text is not larger than a number";
   EXPECT_EQ(found(with_both, "saturation > a").size(), 4u);
+  std::filesystem::remove_all(four.runs / "2026-11-05_120000_a");
+  auto again = RunIndex::open(four.runs.path).value();
+  EXPECT_NE(refusal(again, "saturation > 4").find("allowed: a text"), std::string::npos) << "the number is gone";
 }
 
 TEST(RunIndex, SeedsThatNoDoubleHoldsAreToldApart) {
