@@ -157,8 +157,11 @@ TEST(RobotTest, DoesNotDriveIntoOthersToMeasureWheels) {
   e.robots[0].start = {-0.92, 0.0, 0.0};
   e.robots[1].start = {-0.77, 0.0, 0.0};
   const RobotTestResult robot = test(e, e);
-  EXPECT_FALSE(robot.wheel_diameter);
+  EXPECT_FALSE(robot.wheel_diameter) << "the arena ends behind it";
   EXPECT_THAT(robot.notes, ElementsAre(HasSubstr("its wheels were not measured: it needs")));
+  e.robots[0].start = {0.92, 0.0, 0.0};
+  e.robots[1].start = {0.81, 0.0, 0.0};
+  EXPECT_FALSE(test(e, e).wheel_diameter) << "the arena ends ahead of it, and the other stands behind";
 }
 
 TEST(RobotTest, WithoutACameraItKnowsWhatEncodersSay) {
