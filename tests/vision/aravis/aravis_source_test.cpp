@@ -165,6 +165,16 @@ TEST(Aravis, StampsAreTheMiddleOfTheExposureWhereTheClockCanBeRead) {
   EXPECT_EQ(status.notices.size(), status.damaged > 0 ? 1U : 0U) << (status.notices.empty() ? "" : status.notices[0]);
 }
 
+TEST(Aravis, StampsOfTheEndOfAnExposureAreKnownByFramesThatFollowSoon) {
+  test::FakeGige fake({"--clock", "--stamp-end"});
+  ASSERT_TRUE(fake.running());
+  constexpr double exposure = 0.012, rate = 50.0;
+  auto camera = open_source(address, {.width = 320, .height = 240, .rate = rate, .controls = {{"exposure", exposure}}});
+  ASSERT_TRUE(camera) << camera.error();
+  constexpr int learnt = static_cast<int>(1.5 * rate);  // a second, and what a busy machine leaves out
+  EXPECT_NEAR(measure(**camera, exposure, 40, learnt).late, 0.0, 0.005) << "not an exposure later";
+}
+
 TEST(Aravis, AClockThatCannotBeReadIsReported) {
   test::FakeGige fake;
   ASSERT_TRUE(fake.running());

@@ -1,12 +1,12 @@
 // A GigE Vision camera in software on 127.0.0.1 (Aravis's own), as a program of its own so that it can be killed. One
 // at a time can have the protocol's port: it waits until the port is free, and says "ready".
 //
-//   skein_fake_gige [--clock] [--lost PER_THOUSAND] [--lose-frames N] [--line HZ] [--tags]
+//   skein_fake_gige [--clock] [--stamp-end] [--lost PER_THOUSAND] [--lose-frames N] [--line HZ] [--tags]
 //
 // Its pictures rise from left to right, the same in every format (grey_of). In Mono8 the first eight pixels are the
 // time at which the exposure began, CLOCK_MONOTONIC as a double. Its own clock is 1234 s off and 50 ppm too fast; after
-// the exposure it needs 1 to 3 ms until it sends. Of each packet the network loses a part (--lost), and all packets of
-// the first frames (--lose-frames).
+// the exposure it needs 1 to 3 ms until it sends. It stamps the beginning of the exposure, or its end (--stamp-end). Of
+// each packet the network loses a part (--lost), and all packets of the first frames (--lose-frames).
 #include <arv.h>
 #include <time.h>
 #include <unistd.h>
@@ -41,7 +41,7 @@ guint64 own_clock(double now) {
 }
 
 struct Scene {
-  bool tags = false;
+  bool tags = false, stamp_end = false;
   vision::SyntheticCamera camera{vision::overhead_calibration(2.0, 1.5), {}, 1};
   vision::Frame frame;
   ArvGvFakeCamera* sender = nullptr;
@@ -78,7 +78,8 @@ void fill(ArvBuffer* buffer, void* scene, guint32 exposure_us, guint32, ArvPixel
   const double began = monotonic_now();
   if (auto& what = *static_cast<Scene*>(scene); what.lose_frames >= 0)
     g_object_set(what.sender, "gvsp-lost-ratio", what.lose_frames-- > 0 ? 1.0 : what.lost, nullptr);
-  arv_buffer_set_timestamp(buffer, own_clock(began));
+  arv_buffer_set_timestamp(buffer,
+                           own_clock(began + (static_cast<Scene*>(scene)->stamp_end ? 1e-6 * exposure_us : 0.0)));
   std::size_t size = 0;
   auto* pixels = static_cast<std::uint8_t*>(const_cast<void*>(arv_buffer_get_data(buffer, &size)));
   const int width = arv_buffer_get_image_width(buffer);
@@ -129,6 +130,7 @@ int main(int count, char** words) {
   for (int i = 1; i < count; ++i) {
     const std::string word = words[i];
     if (word == "--clock") clock = true;
+    if (word == "--stamp-end") scene.stamp_end = true;
     if (word == "--tags") scene.tags = true;
     if (word == "--lost") scene.lost = std::atof(words[++i]) / 1000.0;
     if (word == "--lose-frames") scene.lose_frames = std::atoi(words[++i]);
