@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <optional>
 #include <span>
 #include <string>
 #include <thread>
@@ -174,16 +175,17 @@ TEST(RobotTest, WithoutACameraItKnowsWhatEncodersSay) {
       ElementsAre("the left wheel's encoder is silent: 0 steps", "the right wheel's encoder is silent: 0 steps"));
 }
 
-/// A robot on a pseudo-terminal that says everything twice while both its wheels drive.
-class RepeatsItself {
+/// A robot on a pseudo-terminal that says everything twice while both its wheels drive, or whose time goes on by as
+/// much with each message, and stands in between.
+class OddRobot {
  public:
-  RepeatsItself() {
+  explicit OddRobot(std::optional<double> seconds_a_message = {}) : seconds_a_message_(seconds_a_message) {
     termios raw{};
     ::cfmakeraw(&raw);
     EXPECT_EQ(::openpty(&robot_, &line_, nullptr, &raw, nullptr), 0);
     thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
   }
-  ~RepeatsItself() {
+  ~OddRobot() {
     thread_ = {};
     ::close(line_);
     ::close(robot_);
@@ -199,23 +201,25 @@ class RepeatsItself {
       std::array<std::uint8_t, 256> bytes{};
       const ssize_t count = ::read(robot_, bytes.data(), bytes.size());
       const double now = test::seconds();
-      firmware.advance(now - std::exchange(then, now));
+      const double passed = now - std::exchange(then, now);
+      firmware.advance(seconds_a_message_.value_or(passed));
       if (count <= 0) continue;
       std::vector<std::uint8_t> reply;
       firmware.receive(std::span(bytes).first(static_cast<std::size_t>(count)), reply);
       const core::WheelSpeeds told = firmware.told();
-      const int times = told.left != 0.0 && told.right != 0.0 ? 2 : 1;
+      const int times = !seconds_a_message_ && told.left != 0.0 && told.right != 0.0 ? 2 : 1;
       for (int k = 0; k < times; ++k)
         EXPECT_EQ(::write(robot_, reply.data(), reply.size()), static_cast<ssize_t>(reply.size()));
     }
   }
+  std::optional<double> seconds_a_message_;
   int robot_ = -1, line_ = -1;
   std::jthread thread_;
 };
 
 /// It is its link that stops such a robot, not its watchdog: what a file said of that would be relied on.
 TEST(RobotTest, ARobotThatItsLinkStopsHasShownNoWatchdog) {
-  RepeatsItself anna;
+  OddRobot anna;
   Experiment experiment;
   RobotSpec& robot = experiment.robots.emplace_back();
   robot.link = RobotSpec::Link::device;
@@ -234,6 +238,18 @@ TEST(RobotTest, ARobotThatItsLinkStopsHasShownNoWatchdog) {
   EXPECT_THAT(result->faults, IsEmpty());
   EXPECT_FALSE(result->watchdog) << *result->watchdog;
   EXPECT_THAT(result->notes, ElementsAre(HasSubstr("whether it has a watchdog is not known")));
+}
+
+/// With each command it drives for half a second: the test has ten commands for each wheel, and needs two.
+TEST(WheelFaults, AWheelThatRunsAwayIsStoppedBeforeTheEndOfItsTurn) {
+  const OddRobot anna(0.5);
+  comms::LinkSupervisor links({comms::parse_link_address(anna.address()).value()});
+  ASSERT_TRUE(links.start(10.0));
+  const auto check = check_wheels(links, 0, *core::find_robot_type("epuck2"), [] { return std::string(); });
+  ASSERT_TRUE(check) << check.error();
+  EXPECT_THAT(check->faults, ElementsAre(HasSubstr("the left wheel turned at least"), HasSubstr("the right wheel")));
+  EXPECT_LT(check->left_steps, 6 * 0.5 * one_wheel_speed);
+  EXPECT_LT(check->right_steps, 6 * 0.5 * one_wheel_speed);
 }
 
 TEST(WheelFaults, AWheelThatTurnsTooFarIsOneUnlessItWasToldForSoLong) {
