@@ -241,6 +241,19 @@ TEST(Cameras, OneThatIsLostLeavesTheRest) {
   EXPECT_EQ(replayed_cameras(run), "");
 }
 
+TEST(Cameras, WhenTheFirstIsLostThePictureIsThatOfTheOther) {
+  const Experiment experiment = platoon_under_two("", {"camera.lost_at=0.5", "duration=1.5"});
+  auto session = Session::open(experiment, Session::Clock::virtual_, {.pictures = true});
+  ASSERT_TRUE(session) << session.error();
+  Picture picture;
+  EXPECT_EQ((*session)->run([&] {
+    (*session)->picture(picture);
+    return true;
+  }),
+            Phase::finished);
+  EXPECT_GT(picture.captured_at, 1.0);
+}
+
 TEST(Cameras, TheReasonIsThatOfTheOneThatIsLostNow) {
   const CamerasRun run(platoon_under_two(",lost_at=2.5", {"camera.freeze_at=0.5", "camera.freeze_for=0.6"}));
   EXPECT_EQ(run.camera.outages, 2) << "the other one was frozen";
