@@ -98,10 +98,13 @@ TEST_F(KeptAwakeWhileToolsDrive, AShutdownStopsTheRobotAndWaitsForThat) {
     (*driven)->plant().act(std::array{core::WheelSpeeds{300, 300}});
     return drives();
   }));
+  robots.silence(0, true);  // it hears no stop for the time being
   logind.announce("PrepareForShutdown", true);
+  ASSERT_TRUE(eventually([&] { return !(*driven)->keep_on(); }));
+  EXPECT_FALSE(eventually([&] { return logind.delays() == 0; }, std::chrono::seconds(1))) << "the robot drives";
+  robots.silence(0, false);
   EXPECT_TRUE(eventually([&] { return logind.delays() == 0; }));
   EXPECT_FALSE(drives()) << "the machine is switched off while the robot drives";
-  EXPECT_FALSE((*driven)->keep_on());
   EXPECT_TRUE((*driven)->close());
 }
 
