@@ -344,17 +344,16 @@ TEST_F(DyingProgram, ARunWhoseRobotIsNotKnownToStandIsNotForgotten) {
 /// Robots are stopped on their own lines, which a guard that is stuck might hold.
 TEST_F(DyingProgram, AGuardThatDoesNotRespondIsEnded) {
   const RunMarker marker = leave_behind();
-  std::vector<std::string> words{"sh", "-c", "while :; do sleep 0.1; done", "guard", marker.path};
-  std::vector<char*> arguments;
-  for (std::string& word : words) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-  ASSERT_EQ(::posix_spawn(&pid_, "/bin/sh", nullptr, nullptr, arguments.data(), environ), 0);
-  ASSERT_TRUE(eventually([this] { return guards() == 1; }));
+  std::string shell = "sh", option = "-c", loop = "while :; do sleep 0.1; done";
+  std::string variable = fmt::format("{}={}", marker_variable, marker.path), path = "PATH=/usr/bin:/bin";
+  char* const words[] = {shell.data(), option.data(), loop.data(), nullptr};
+  char* const environment[] = {variable.data(), path.data(), nullptr};
+  ASSERT_EQ(::posix_spawn(&pid_, "/bin/sh", nullptr, nullptr, words, environment), 0);
   testing::internal::CaptureStderr();
   EXPECT_TRUE(stop_run(marker).by_hand);
   const std::string said = testing::internal::GetCapturedStderr();
   EXPECT_NE(said.find("the guard of the run \"gone\" does not respond: ending it"), std::string::npos) << said;
-  EXPECT_EQ(guards(), 0u);
+  EXPECT_TRUE(eventually([this] { return ::waitpid(pid_, nullptr, WNOHANG) == pid_; }, std::chrono::seconds(10)));
   marker.forget();
 }
 
