@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <csignal>
 #include <filesystem>
 #include <future>
 #include <iostream>
@@ -238,6 +239,7 @@ int list_robots(const std::string& file) {
 }
 
 int stop_robots(const std::vector<std::string>& words, const std::string& file) {
+  std::signal(SIGHUP, SIG_IGN);  // a terminal that closes must not keep any robot from being stopped
   const std::string path = known_robots_file(file);
   Stops stops;
   std::vector<std::string> problems;

@@ -24,6 +24,7 @@
 #include <utility>
 
 #include "app/guard/run_marker.h"
+#include "app/run/interrupted.h"
 #include "app/run/output.h"
 #include "comms/link_supervisor.h"
 #include "comms/power_down_delay.h"
@@ -385,11 +386,12 @@ std::string stop_one(const std::vector<comms::LinkAddress>& robots, std::size_t 
   const auto tell_at = std::chrono::steady_clock::now() + silent_for;
   bool told = !still_tries;
   const auto started = link.start(comms::reach_patience(robots), [&] {
-    if (told || std::chrono::steady_clock::now() < tell_at) return true;
-    told = true;
-    const comms::LinkStatus status = link.status().at(0);
-    still_tries(status.reason.empty() ? fmt::format("its link is {}", word(status.state)) : status.reason);
-    return true;
+    if (!told && std::chrono::steady_clock::now() >= tell_at) {
+      told = true;
+      const comms::LinkStatus status = link.status().at(0);
+      still_tries(status.reason.empty() ? fmt::format("its link is {}", word(status.state)) : status.reason);
+    }
+    return !interrupted();
   });
   const comms::LinkStatus status = link.close(stop_timeout).at(0);
   if (status.stop_acknowledged) return {};

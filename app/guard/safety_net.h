@@ -67,8 +67,8 @@ tl::expected<std::vector<comms::LinkAddress>, std::string> real_robots(const Exp
 std::vector<StopResult> stop_results(const Experiment& experiment, const std::vector<RobotStatus>& robots);
 
 /// Connects to one of these robots and stops it, waiting long enough for an adapter that has to page all of them.
-/// Empty: it has acknowledged its stop; else the reason. `still_tries`: called once if that takes longer than
-/// `silent_for`, with what it waits for.
+/// Ends early when the user interrupts. Empty: it has acknowledged its stop; else the reason. `still_tries`: called
+/// once if that takes longer than `silent_for`, with what it waits for.
 std::string stop_one(const std::vector<comms::LinkAddress>& robots, std::size_t robot,
                      const std::function<void(const std::string& reason)>& still_tries = {});
 inline constexpr auto silent_for = std::chrono::seconds(1);

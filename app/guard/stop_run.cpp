@@ -20,6 +20,7 @@
 
 #include "app/guard/safety_net.h"
 #include "app/run/exit_status.h"
+#include "app/run/interrupted.h"
 #include "app/run/output.h"
 #include "app/run/terminal_text.h"
 #include "comms/link_supervisor.h"
@@ -91,7 +92,7 @@ std::unique_ptr<Process> guard_of(const RunMarker& run) {
 StopAnswer ask(const RunMarker& run) {
   StopAnswer answer = ask_run(run.socket(), "stop", hears_within);
   // A run may have been frozen in the middle of the answer.
-  if (answer.robots || !answer.reached || answer.ended || answer.process <= 0) return answer;
+  if (answer.robots || !answer.reached || answer.ended || answer.process <= 0 || interrupted()) return answer;
   const Process process(answer.process);
   if (!process.known()) return answer;
   complain(
@@ -130,7 +131,7 @@ StoppedRun stop_run(const RunMarker& run) {
       // A guard names those alone that it had to reach anew.
       if (all_stand(robots)) return {robots.size() < run.robots.size() ? all_of(run, true, {}) : robots, false};
     }
-    if (Clock::now() > give_up) return {robots, false};
+    if (interrupted() || Clock::now() > give_up) return {robots, false};
     if (Clock::now() > tell_at && !std::exchange(told, true))
       for (const StopResult& robot : robots)
         if (!robot.stopped) complain_of_waiting(robot.address, robot.reason);

@@ -9,9 +9,9 @@
 namespace skein::app {
 
 /// Stops the robots of a run whatever state it is in: asks it through its stop socket; if it does not answer, ends its
-/// process with SIGTERM and then SIGKILL, and asks its guard, until all stand or comms::reach_patience() is over. A
-/// frozen guard is resumed; if that fails, it is ended. Returns the robots' states; `by_hand`: neither run nor guard is
-/// left to stop them, so that the caller must connect to them.
+/// process with SIGTERM and then SIGKILL, and asks its guard, until all stand, comms::reach_patience() is over or the
+/// user interrupts. A frozen guard is resumed; if that fails, it is ended. Returns the robots' states; `by_hand`:
+/// neither run nor guard is left to stop them, so that the caller must connect to them.
 struct StoppedRun {
   std::vector<StopResult> robots;
   bool by_hand = false;

@@ -17,6 +17,7 @@
 
 #include "app/guard/run_marker.h"
 #include "app/run/clocks.h"
+#include "app/run/interrupted.h"
 #include "app/run/output.h"
 
 namespace skein::app {
@@ -173,7 +174,9 @@ StopAnswer ask_run(const std::string& path, std::string_view word, double patien
   if (!answer.reached || !same_user(descriptor, &answer.process)) return answer;
   send_text(descriptor, word);
   std::string text;
-  for (double until = monotonic_seconds() + patience; readable(descriptor, until - monotonic_seconds());) {
+  double until = monotonic_seconds() + patience;
+  for (double left = patience; left > 0.0 && !interrupted(); left = until - monotonic_seconds()) {
+    if (!readable(descriptor, std::min(left, 0.1))) continue;
     std::array<char, 4096> bytes;
     const ssize_t size = ::read(descriptor, bytes.data(), bytes.size());
     answer.ended = size <= 0;

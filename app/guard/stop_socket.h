@@ -64,7 +64,7 @@ struct StopAnswer {
 bool listens(const std::string& path);
 
 /// Sends `word` to the run with this stop socket. Waits `patience` for the confirmation, then up to 8 s for the robots'
-/// states.
+/// states; in both cases until the user interrupts.
 StopAnswer ask_run(const std::string& path, std::string_view word, double patience);
 
 }  // namespace skein::app

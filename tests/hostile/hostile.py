@@ -15,7 +15,7 @@ import time
 from lab import Failed, Lab, ended_by_the_kernel, fail, wait_until
 
 longest = 0.6   # [s]: 60 mm at 0.1 m/s
-slow = {"robot-out-of-reach": 5.0, "robots-stop-out-of-reach": 5.0}  # a robot that has returned is reached anew
+slow = dict.fromkeys(("robot-out-of-reach", "robots-stop-out-of-reach", "robots-stop-interrupted"), 5.0)  # a robot that has returned is reached anew
 cases = {}      # name: (function, what it does)
 PR_SET_CHILD_SUBREAPER = 36
 
@@ -769,6 +769,27 @@ def robots_stop_out_of_reach(lab):
     status, said = lab.skein_says("robots", "stop", seconds=60.0)
     if status != 0 or said.count(": stopped") != 2:
         raise Failed(f"exit status {status}: {said}")
+    stands(robots)
+    return blind_since_return(robots, back)
+
+
+@case("likewise, out of reach for 12 s: skein robots stop ends at Ctrl-C alone, the guard goes on")
+def robots_stop_interrupted(lab):
+    robots, run, back = killed_out_of_reach(lab, away=12.0)
+    run.wait()
+    stop = subprocess.Popen([lab.skein, "robots", "stop"], cwd=lab.case, env=lab.environment, text=True, stdin=subprocess.DEVNULL,
+                            stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+    said = ""
+    while "still trying" not in said:
+        said += stop.stderr.readline()
+    stop.send_signal(signal.SIGHUP)
+    time.sleep(0.5)
+    if stop.poll() is not None:
+        raise Failed("it ends with its terminal")
+    stop.send_signal(signal.SIGINT)
+    said += stop.communicate(timeout=4.0)[1]
+    if stop.returncode != 3 or "NOT known to be stopped" not in said:
+        raise Failed(f"exit status {stop.returncode}: {said}")
     stands(robots)
     return blind_since_return(robots, back)
 
