@@ -168,9 +168,9 @@ double Watch::silence(std::int64_t now) const {
   return 1e-9 * static_cast<double>(longest);
 }
 
-/// Whoever ends the run's process tree or its control group does not end this process.
+/// Leaves the run's process tree and its control group: what ends those must not end this process.
 void leave_family() {
-  if (::fork() > 0) ::_exit(done);  // the other process is nobody's child; where none can be made, this one stays
+  if (::fork() > 0) ::_exit(done);  // the copy goes on, as a child of init; if it cannot be made, this process does
   ::prctl(PR_SET_NAME, guard_name);
   try {
     std::thread([] {

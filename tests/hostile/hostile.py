@@ -493,14 +493,22 @@ def state_directory_removed(lab):
     return robots.blind(since)
 
 
-@case("the machine would go to sleep: held awake as long as robots drive")
-def sleep_inhibited(lab):
+def kept_awake(lab):
+    """A logind, robots that drive, their run, which keeps the machine awake; None: there is no dbus-daemon."""
     logind = lab.logind()
     if logind is None:
         return None
     robots = lab.emulate()
     run = lab.run(robots)
     wait_until("the machine is kept awake", lambda: logind.inhibitors == 1, 5.0)
+    return logind, robots, run
+
+
+@case("the machine would go to sleep: held awake as long as robots drive")
+def sleep_inhibited(lab):
+    if (awake := kept_awake(lab)) is None:
+        return None
+    logind, robots, run = awake
     since = kill(run, signal.SIGINT)
     stands(robots)
     ends(run)
@@ -510,12 +518,9 @@ def sleep_inhibited(lab):
 
 @case("the machine is shut down: that waits until the robots stand")
 def shut_down(lab):
-    logind = lab.logind()
-    if logind is None:
+    if (awake := kept_awake(lab)) is None:
         return None
-    robots = lab.emulate()
-    run = lab.run(robots)
-    wait_until("the machine is kept awake", lambda: logind.inhibitors == 1, 5.0)
+    logind, robots, run = awake
     since = time.monotonic()
     logind.shut_down()
     wait_until("the machine is shut down", lambda: logind.down, 5.0)
