@@ -20,6 +20,7 @@
 #include <string_view>
 
 #include "operator.h"
+#include "tests/has_python.h"
 #include "ui/gains/gain_presets.h"
 #include "ui/gains/gain_slider.h"
 #include "ui/gains/gains_panel.h"
@@ -236,8 +237,7 @@ TEST_F(Gains, OfALawWithoutParametersAreGoneToByTheKeyboardAllTheSame) {
 }
 
 TEST_F(Gains, OfAProcessAreTheParametersThatItDeclares) {
-  if (std::system("python3 -c 'import sys; sys.exit(sys.version_info < (3, 9))' 2>/dev/null") != 0)
-    GTEST_SKIP() << "no python3";
+  if (!skein::test::has_python()) GTEST_SKIP() << "no python3";
   const QTemporaryDir dir;
   QFile law(dir.filePath(QStringLiteral("law.py")));
   ASSERT_TRUE(law.open(QIODevice::WriteOnly));

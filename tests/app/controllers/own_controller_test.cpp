@@ -27,6 +27,7 @@
 #include "app/tools/controller_check.h"
 #include "core/words.h"
 #include "tests/files.h"
+#include "tests/has_python.h"
 #include "tests/places.h"
 #include "tests/processes.h"
 
@@ -175,8 +176,7 @@ TEST(OwnController, PythonDrives) {
 }
 
 TEST(OwnController, PythonDrivesWithoutNumpy) {
-  if (std::system("python3 -c 'import sys; sys.exit(sys.version_info < (3, 9))' 2>/dev/null") != 0)
-    GTEST_SKIP() << "no python3";
+  if (!test::has_python()) GTEST_SKIP() << "no python3";
   const std::string path = testing::TempDir() + "plain_law.py";
   std::ofstream(path) << "import sys\nsys.modules['numpy'] = None\nimport skein.controller\n"
                          "def step(tick):\n"
@@ -234,8 +234,7 @@ TEST(OwnController, AParameterThatIsChangedComesWithTheNextQuestion) {
 }
 
 TEST(OwnController, AParameterThatIsChangedReachesPython) {
-  if (std::system("python3 -c 'import sys; sys.exit(sys.version_info < (3, 9))' 2>/dev/null") != 0)
-    GTEST_SKIP() << "no python3";
+  if (!test::has_python()) GTEST_SKIP() << "no python3";
   const std::string path = testing::TempDir() + "changed_law.py";
   std::ofstream(path) << "import math\nimport sys\nsys.modules['numpy'] = None\nimport skein.controller\n"
                          "@skein.controller.law(k_x=(2.0, '1/s', 0.0, 20.0, 'how fast'))\n"
@@ -293,7 +292,7 @@ void expect_the_same_woken_or_not(const std::string& kind, const std::string& pr
 
 TEST(OwnController, AProcessThatIsWokenBeforeAQuestionGivesTheSameAnswers) {
   expect_the_same_woken_or_not("a program in C", "'" + law_program() + "'");
-  if (std::system("python3 -c 'import sys; sys.exit(sys.version_info < (3, 9))' 2>/dev/null") != 0) return;
+  if (!test::has_python()) return;
   const std::string package = testing::TempDir() + "woken_law.py", layout = testing::TempDir() + "layout_law.py";
   std::ofstream(package) << "import sys\nsys.modules['numpy'] = None\nimport skein.controller\n"
                             "def step(tick):\n"
@@ -413,8 +412,7 @@ std::string python_law(const std::string& name, const std::string& text) {
 }
 
 TEST(OwnController, WhatIsNotWrittenIsNoCommand) {
-  if (std::system("python3 -c 'import sys; sys.exit(sys.version_info < (3, 9))' 2>/dev/null") != 0)
-    GTEST_SKIP() << "no python3";
+  if (!test::has_python()) GTEST_SKIP() << "no python3";
   const Outcome run = outcome_of(experiment_of({python_law("partial_law.py",
                                                            "def step(tick):\n"
                                                            "    if tick.t > 1.0: return\n"
@@ -437,8 +435,7 @@ TEST(OwnController, WhatIsNotWrittenIsNoCommand) {
 }
 
 TEST(OwnController, WhatNobodyReadsIsRefused) {
-  if (std::system("python3 -c 'import sys; sys.exit(sys.version_info < (3, 9))' 2>/dev/null") != 0)
-    GTEST_SKIP() << "no python3";
+  if (!test::has_python()) GTEST_SKIP() << "no python3";
   const Outcome returned = outcome_of(experiment_of({python_law("returning_law.py",
                                                                 "def step(tick):\n"
                                                                 "    return [(0.02, 0.0)] * tick.robots\n"
@@ -483,8 +480,7 @@ TEST(OwnController, OneThatHangsIsEndedAndCostsTheTickItsDeadlineAlone) {
 
 /// It is the 25th time in a row that ends a run.
 TEST(OwnController, OneThatIsLateNowAndThenGoesOn) {
-  if (std::system("python3 -c 'import sys; sys.exit(sys.version_info < (3, 9))' 2>/dev/null") != 0)
-    GTEST_SKIP() << "no python3";
+  if (!test::has_python()) GTEST_SKIP() << "no python3";
   const Outcome run = outcome_of(experiment_of({python_law("tardy_law.py",
                                                            "import time\n"
                                                            "asked = 0\n"
@@ -544,8 +540,7 @@ TEST(OwnController, ALibraryOfAnotherVersionIsRefused) {
 }
 
 TEST(OwnController, WhoseRangesHoldNoNumberIsRefusedAtTheStart) {
-  if (std::system("python3 -c 'import sys; sys.exit(sys.version_info < (3, 9))' 2>/dev/null") != 0)
-    GTEST_SKIP() << "no python3";
+  if (!test::has_python()) GTEST_SKIP() << "no python3";
   const std::string path = testing::TempDir() + "ranges_law.py";
   const auto error = [&](const std::string& declared, const std::vector<std::string>& more) {
     std::ofstream(path) << "import sys\nsys.modules['numpy'] = None\nimport skein.controller\n"
