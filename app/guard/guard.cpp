@@ -275,6 +275,8 @@ int guard(const std::string& marker, int descriptor) {
   if (std::getenv(marker_variable) != nullptr) leave_family();  // a run has started it, nobody by hand
   ignore_output_signals();
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP, SIGUSR1, SIGUSR2}) std::signal(signal, SIG_IGN);
+  Watch watch(descriptor);
+  Watch::Run heard = watch.hear();  // first: the run learns that this process has begun
   sched_param priority{};
   priority.sched_priority = 22;  // where the system grants it, above the threads that it watches
   ::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &priority);
@@ -284,20 +286,14 @@ int guard(const std::string& marker, int descriptor) {
   const WatchedMarker watched(marker);
   auto run = RunMarker::read(marker);  // now: it must not depend on a disk later
 
-  Watch watch(descriptor);
-  bool silent = false, gone = false;
-  while (!gone) {
+  bool silent = false;
+  const auto listen = [&] {
     pollfd socket{descriptor, POLLIN, 0};
     ::poll(&socket, 1, look_every);
-    switch (watch.hear()) {
-      case Watch::Run::lives:
-        break;
-      case Watch::Run::well:
-        return done;
-      case Watch::Run::gone:
-        gone = true;
-        continue;
-    }
+    return watch.hear();
+  };
+  for (; heard != Watch::Run::gone; heard = listen()) {
+    if (heard == Watch::Run::well) return done;
     const std::int64_t now = comms::monotonic_ns();
     watch.beat(now);
     const double silence = watch.silence(now);

@@ -41,6 +41,8 @@ constexpr double stop_timeout = 2.0;                    // [s]
 constexpr int poll_every = 100, poll_often = 20;        // [ms]
 constexpr std::int64_t frozen_after = 800'000'000;      // a guard that has not beaten for so long does not guard [ns]
 constexpr std::int64_t between_guards = 1'000'000'000;  // one that cannot live is not started all the time [ns]
+constexpr std::int64_t awaited_for = 1'000'000'000;     // the first guard, before the run opens a line [ns]
+constexpr std::int64_t begins_within = 5'000'000'000;   // a guard on a busy machine [ns]
 
 }  // namespace
 
@@ -66,6 +68,7 @@ class SafetyNet::Keeper {
 
  private:
   tl::expected<void, std::string> start_guard();
+  void await_guard() const;
   void drop_guard();
   bool guard_has_ended() const;
   void forget_starter();
@@ -117,6 +120,7 @@ tl::expected<void, std::string> SafetyNet::Keeper::begin() {
     if (memory == MAP_FAILED) return tl::unexpected(fmt::format("no guard: {}", std::strerror(errno)));
     page_ = new (memory) comms::HeartbeatPage;
     if (const auto guarded = start_guard(); !guarded) alarm(guarded.error());  // and is tried again
+    await_guard();
   }
   if (!run_.robots.empty()) power_down_.emplace(run_.name);
   thread_ = std::jthread([this] { run(); });
@@ -164,6 +168,12 @@ tl::expected<void, std::string> SafetyNet::Keeper::start_guard() {
   comms::send_to_guard(guard_socket_, page, memory_);
   comms::attach_guard(guard_socket_, *page_);
   return {};
+}
+
+/// Until then, whatever kills this program's children kills the guard as well. One that takes longer holds up no run.
+void SafetyNet::Keeper::await_guard() const {
+  while (guard_socket_ >= 0 && process() < 0 && !guard_has_ended() && comms::monotonic_ns() - started_at_ < awaited_for)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
 void SafetyNet::Keeper::drop_guard() {
@@ -228,9 +238,11 @@ void SafetyNet::Keeper::look_after_guard() {
   std::string what;
   if (guard_has_ended()) {
     what = "the guard has died";
-  } else if (guard_socket_ >= 0 && beat != 0 && now - beat > frozen_after) {
-    what = "the guard is frozen";
-    if (const pid_t guard = process(); guard > 0) ::kill(guard, SIGKILL);
+  } else if (guard_socket_ >= 0 && (beat == 0 ? now - started_at_ > begins_within : now - beat > frozen_after)) {
+    what = beat == 0 ? fmt::format("the guard has not begun within {:.0f} s", 1e-9 * begins_within)
+                     : "the guard is frozen";
+    // Left alone, it would stop the robots of a run that lives.
+    if (const pid_t guard = process() > 0 ? process() : starter_; guard > 0) ::kill(guard, SIGKILL);
   }
   if (!what.empty()) drop_guard();
   if (guard_socket_ >= 0 || (what.empty() && now - started_at_ < between_guards)) return;

@@ -93,7 +93,10 @@ class DyingProgram : public testing::Test {
     return all;
   }
   std::size_t guards() const { return all_guards().size(); }
-  pid_t guard() const { return all_guards().at(0); }
+  pid_t guard() const {
+    EXPECT_TRUE(eventually([this] { return guards() == 1; }));
+    return all_guards().at(0);
+  }
 
   /// Starts the victim and waits until all robots drive.
   void start(const std::string& guard) {
@@ -277,6 +280,37 @@ TEST_F(DyingProgram, AGuardThatDiesIsNoticedAndThereIsANewOne) {
   std::vector<std::string> alarms;  // said once the new guard is there
   ASSERT_TRUE(eventually([&] { return !(alarms = net->alarms()).empty(); }));
   EXPECT_NE(alarms[0].find("the guard has died"), std::string::npos) << alarms[0];
+  net->done({{comms::to_text(robots[0]), true}});
+}
+
+/// As on a disk that stalls.
+TEST_F(DyingProgram, AGuardThatDoesNotBeginIsReplaced) {
+  const fs::path stalls = state_ / "stalls";
+  fs::create_directories(state_);
+  std::ofstream(stalls) << "#!/bin/sh\nexec sleep 1000\n";
+  fs::permissions(stalls, fs::perms::owner_all);
+  const std::vector<comms::LinkAddress> robots{comms::parse_link_address("serial:" + ptys.device(0)).value()};
+  auto net = SafetyNet::spread({"guarded", robots, stalls.string()});
+  ASSERT_TRUE(net) << net.error();
+  fs::remove(stalls);
+  fs::create_symlink(test::program(), stalls);
+  std::vector<std::string> alarms;
+  ASSERT_TRUE(eventually([&] { return !(alarms = net->alarms()).empty(); }));
+  EXPECT_EQ(alarms[0], "the guard has not begun within 5 s: a new guard has been started");
+  EXPECT_TRUE(eventually([&] { return net->guard_process() > 0; }));
+  net->done({{comms::to_text(robots[0]), true}});
+}
+
+/// Before that, a kill of the run's process tree takes the guard with it.
+TEST_F(DyingProgram, NoLineIsOpenedBeforeTheGuardHasBegun) {
+  const fs::path late = state_ / "late";
+  fs::create_directories(state_);
+  std::ofstream(late) << fmt::format("#!/bin/sh\nsleep 0.3\nexec '{}' guard\n", test::program());
+  fs::permissions(late, fs::perms::owner_all);
+  const std::vector<comms::LinkAddress> robots{comms::parse_link_address("serial:" + ptys.device(0)).value()};
+  auto net = SafetyNet::spread({"guarded", robots, late.string()});
+  ASSERT_TRUE(net) << net.error();
+  EXPECT_GT(net->guard_process(), 0);
   net->done({{comms::to_text(robots[0]), true}});
 }
 
