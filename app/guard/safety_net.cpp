@@ -42,7 +42,6 @@ constexpr int poll_every = 100, poll_often = 20;        // [ms]
 constexpr std::int64_t frozen_after = 800'000'000;      // a guard that has not beaten for so long does not guard [ns]
 constexpr std::int64_t between_guards = 1'000'000'000;  // one that cannot live is not started all the time [ns]
 constexpr std::int64_t awaited_for = 1'000'000'000;     // the first guard, before the run opens a line [ns]
-constexpr std::int64_t begins_within = 5'000'000'000;   // a guard on a busy machine [ns]
 
 }  // namespace
 
@@ -70,6 +69,7 @@ class SafetyNet::Keeper {
   tl::expected<void, std::string> start_guard();
   void await_guard() const;
   void drop_guard();
+  void dismiss_guard();
   bool guard_has_ended() const;
   void forget_starter();
   void run();
@@ -183,6 +183,14 @@ void SafetyNet::Keeper::drop_guard() {
   page_->guard_process.store(0);
 }
 
+/// Ends a guard that does nothing. When it woke, it would take this run for ended, and stop the robots.
+void SafetyNet::Keeper::dismiss_guard() {
+  GuardMessage all_is_well;
+  comms::send_to_guard(guard_socket_, all_is_well, -1);
+  if (const pid_t guard = process() > 0 ? process() : starter_; guard > 0 && !guard_has_ended()) ::kill(guard, SIGKILL);
+  drop_guard();
+}
+
 bool SafetyNet::Keeper::guard_has_ended() const {
   char nothing = 0;
   return guard_socket_ >= 0 && ::recv(guard_socket_, &nothing, 1, MSG_DONTWAIT) == 0;
@@ -238,13 +246,13 @@ void SafetyNet::Keeper::look_after_guard() {
   std::string what;
   if (guard_has_ended()) {
     what = "the guard has died";
-  } else if (guard_socket_ >= 0 && (beat == 0 ? now - started_at_ > begins_within : now - beat > frozen_after)) {
-    what = beat == 0 ? fmt::format("the guard has not begun within {:.0f} s", 1e-9 * begins_within)
-                     : "the guard is frozen";
-    // Left alone, it would stop the robots of a run that lives.
-    if (const pid_t guard = process() > 0 ? process() : starter_; guard > 0) ::kill(guard, SIGKILL);
+  } else if (guard_socket_ >= 0 && beat != 0 && now - beat > frozen_after) {
+    what = "the guard is frozen";
+  } else if (guard_socket_ >= 0 && beat == 0 &&
+             1e-9 * static_cast<double>(now - started_at_) > run_.guard_begins_within) {
+    what = fmt::format("the guard has not begun within {:.0f} s", run_.guard_begins_within);
   }
-  if (!what.empty()) drop_guard();
+  if (!what.empty()) dismiss_guard();
   if (guard_socket_ >= 0 || (what.empty() && now - started_at_ < between_guards)) return;
   const bool too_soon = now - started_at_ < between_guards;
   const auto started = too_soon ? tl::expected<void, std::string>{} : start_guard();

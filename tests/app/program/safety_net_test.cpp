@@ -290,14 +290,40 @@ TEST_F(DyingProgram, AGuardThatDoesNotBeginIsReplaced) {
   std::ofstream(stalls) << "#!/bin/sh\nexec sleep 1000\n";
   fs::permissions(stalls, fs::perms::owner_all);
   const std::vector<comms::LinkAddress> robots{comms::parse_link_address("serial:" + ptys.device(0)).value()};
-  auto net = SafetyNet::spread({"guarded", robots, stalls.string()});
+  auto net = SafetyNet::spread({"guarded", robots, stalls.string(), 2.0});
   ASSERT_TRUE(net) << net.error();
   fs::remove(stalls);
   fs::create_symlink(test::program(), stalls);
   std::vector<std::string> alarms;
   ASSERT_TRUE(eventually([&] { return !(alarms = net->alarms()).empty(); }));
-  EXPECT_EQ(alarms[0], "the guard has not begun within 5 s: a new guard has been started");
+  EXPECT_EQ(alarms[0], "the guard has not begun within 2 s: a new guard has been started");
   EXPECT_TRUE(eventually([&] { return net->guard_process() > 0; }));
+  net->done({{comms::to_text(robots[0]), true}});
+}
+
+/// Its process may be out of reach until then, as one that waits for a disk.
+TEST_F(DyingProgram, AGuardThatBeginsAfterItWasReplacedStopsNoRobot) {
+  const fs::path late = state_ / "late", here = state_ / "here";
+  fs::create_directories(state_);
+  std::ofstream(late) << fmt::format("#!/bin/sh\nexec 3<&0\nsh -c 'sleep 2.5; echo $$ > {}; exec {} guard <&3' &\n",
+                                     here.string(), test::program());
+  fs::permissions(late, fs::perms::owner_all);
+  const std::vector<comms::LinkAddress> robots{comms::parse_link_address("serial:" + ptys.device(0)).value()};
+  auto net = SafetyNet::spread({"guarded", robots, late.string(), 0.5});
+  ASSERT_TRUE(net) << net.error();
+  fs::remove(late);
+  fs::create_symlink(test::program(), late);
+  comms::LinkSupervisor link(robots, {.command_silence = 0.0});
+  ASSERT_TRUE(link.start(10.0));
+  link.command(0, 200, 200);
+  ASSERT_TRUE(link.wait_acknowledged(10.0));
+  int process = 0;
+  ASSERT_TRUE(eventually([&] { return bool(std::ifstream(here) >> process); }));
+  EXPECT_TRUE(eventually([&] { return ::kill(process, 0) != 0; })) << "the late guard goes on";
+  EXPECT_GT(net->guard_process(), 0) << "there is another";
+  EXPECT_GT(ptys.wheels(0).left, 0) << "the run lives";
+  link.emergency_stop();
+  EXPECT_TRUE(eventually([&] { return ptys.wheels(0) == WheelSpeeds{}; }));
   net->done({{comms::to_text(robots[0]), true}});
 }
 
