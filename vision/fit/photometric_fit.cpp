@@ -137,7 +137,7 @@ struct PhotometricFit::Look {
   }
 };
 
-/// The same look, with the tag free to stretch, shear and blur.
+/// The same look, with the tag free to stretch, shear, blur and change its tone.
 struct PhotometricFit::Free {
   std::array<double, TagTemplate::columns> solution;
   double residual = 0.0;   // sum of squares that it leaves
@@ -287,7 +287,7 @@ bool PhotometricFit::descend(const Frame& frame, const TagTemplate& tag, int mos
 /// for the worst. false: too few are left.
 bool PhotometricFit::trim(const Frame& frame, const TagTemplate& tag, core::Pose& pose, Look& seen,
                           Eigen::Matrix3d& covariance, int& looks) {
-  using Vector = Eigen::Matrix<double, TagTemplate::blurring_columns, 1>;
+  using Vector = Eigen::Matrix<double, TagTemplate::optical_columns, 1>;
   constexpr int rounds = 4;
   Vector solution = Vector::Zero();
   solution.head<TagTemplate::rigid_columns>() =
@@ -299,25 +299,25 @@ bool PhotometricFit::trim(const Frame& frame, const TagTemplate& tag, core::Pose
     if (round > 0) solution.head<3>().setZero();  // the step has been made
     const auto residual = [&](std::size_t i) {
       return static_cast<double>(values_[SampleGrid::place_of(i)]) -
-             solution.dot(tag.row(i).head<TagTemplate::blurring_columns>());
+             solution.dot(tag.row(i).head<TagTemplate::optical_columns>());
     };
     for (std::size_t i = 0; i < SampleGrid::points; ++i) sorted_[i] = static_cast<float>(std::abs(residual(i)));
     std::nth_element(sorted_.begin(), sorted_.begin() + SampleGrid::points / 2, sorted_.end());
     const double scale = std::max(1.0, 1.4826 * static_cast<double>(sorted_[SampleGrid::points / 2]));
 
-    TagTemplate::Blurring normal = TagTemplate::Blurring::Zero();
+    TagTemplate::Optical normal = TagTemplate::Optical::Zero();
     Vector seen_columns = Vector::Zero();
     double weights = 0.0;
     for (std::size_t i = 0; i < SampleGrid::points; ++i) {
       const double weight = tukey(residual(i), scale);
-      const Vector row = tag.row(i).head<TagTemplate::blurring_columns>();
+      const Vector row = tag.row(i).head<TagTemplate::optical_columns>();
       normal += weight * row * row.transpose();
       seen_columns += weight * static_cast<double>(values_[SampleGrid::place_of(i)]) * row;
       weights += weight;
     }
     // More than two modules of ten hidden: what is left may not be enough to tell this tag from another.
     if (weights < 0.7 * static_cast<double>(SampleGrid::points)) return false;
-    const TagTemplate::Blurring inverse = core::math::inverse(normal);
+    const TagTemplate::Optical inverse = core::math::inverse(normal);
     solution = inverse * seen_columns;
     const double gain = solution[TagTemplate::paper];
     if (!(gain >= options_.least_contrast)) return false;
@@ -344,10 +344,10 @@ double PhotometricFit::felt(const TagTemplate& tag, const Free& free) const {
   return static_cast<double>(felt_noise(options_.instructions, tag, values_, solution));
 }
 
-/// Makes the look's step that of a tag free to blur. Returns its covariance.
+/// Makes the look's step that of a tag free to blur and to change its tone. Returns its covariance.
 Eigen::Matrix3d PhotometricFit::settle(const TagTemplate& tag, const TagTemplate::LastStep& last_step, const Free& free,
                                        const Look& seen, core::Pose& pose) const {
-  using Vector = Eigen::Matrix<double, TagTemplate::blurring_columns, 1>;
+  using Vector = Eigen::Matrix<double, TagTemplate::optical_columns, 1>;
   const Eigen::Vector3d change = last_step.cast<double>() * Vector::Map(seen.sums.sum.data()) / -seen.gain();
   step(change - seen.change(), pose);
   return felt(tag, free) / (seen.gain() * seen.gain()) * last_step.leftCols<3>().cast<double>();
@@ -431,9 +431,17 @@ Fit PhotometricFit::fit(const Frame& frame, TagModel& model, const core::Pose& f
   result.edge_px = 8.0 * px_per_module_;
 
   const double sigma2 = free.residual / seen.points / (seen.gain() * seen.gain());
-  const Eigen::Vector3d stretch =
-      Eigen::Vector3d::Map(&free.solution[TagTemplate::stretch_x]) / -free.solution[TagTemplate::paper];
-  const auto f = [&](int i, int k) { return seen.cut ? cut_inverse_(i, k) : static_cast<double>(tag.full(i, k)); };
+  const auto full = [&](int i, int k) { return seen.cut ? cut_inverse_(i, k) : static_cast<double>(tag.full(i, k)); };
+  // Without tone, which would take a part of a stretch for its own: whoever asks compares stretches, and gamma is the
+  // same in all.
+  constexpr int tone = TagTemplate::tone;
+  const auto f = [&](int i, int k) { return full(i, k) - full(i, tone) * full(k, tone) / full(tone, tone); };
+  Eigen::Vector3d stretch;
+  for (int i = 0; i < 3; ++i) {
+    const int column = TagTemplate::stretch_x + i;
+    const double shared = full(column, tone) / full(tone, tone) * free.solution[tone];
+    stretch[i] = (free.solution[static_cast<std::size_t>(column)] - shared) / -free.solution[TagTemplate::paper];
+  }
   constexpr int in_x = TagTemplate::stretch_x;
   constexpr int in_y = TagTemplate::stretch_y;
   result.stretch = 0.5 * (stretch[0] + stretch[1]);

@@ -15,6 +15,9 @@ using Lanes = float[lanes];
 
 using Tag = TagTemplate;
 using Blocks = TagTemplate::Blocks;
+// A whole number that stands for paper.
+constexpr float all_paper = 1.0F / Tag::paper_unit;
+
 using Solution = std::array<float, TagTemplate::columns>;
 
 constexpr std::size_t rows = SampleGrid::side;
@@ -25,7 +28,8 @@ struct Line {
   float light, in_x, in_y;
 };
 struct Scaled {
-  float light_x, light_y, constant, paper, ink, along_x, along_y, stretch_x, stretch_y, into_x, into_y, blur_x, blur_y;
+  float light_x, light_y, constant, paper, ink, along_x, along_y, stretch_x, stretch_y, into_x, into_y, blur_x, blur_y,
+      tone;
 
   Scaled(const TagTemplate& tag, const Solution& s)
       : light_x(s[Tag::light_x] * Tag::paper_unit),
@@ -40,14 +44,15 @@ struct Scaled {
         into_x((s[Tag::shear] - s[Tag::turn]) * tag.slope_unit),
         into_y((s[Tag::turn] + s[Tag::shear]) * tag.slope_unit),
         blur_x(s[Tag::blur_x] * tag.bend_unit),
-        blur_y(s[Tag::blur_y] * tag.bend_unit) {}
+        blur_y(s[Tag::blur_y] * tag.bend_unit),
+        tone(s[Tag::tone] * Tag::paper_unit * Tag::paper_unit) {}
   Line line(float y) const { return {light_y * y, along_x + into_x * y, along_y + stretch_y * y}; }
 };
 
 /// Sums over the points, of products that the columns are made of.
 struct Parts {
-  enum Part { x, y, paper, grey, x_x, x_y, y_x, y_y, lit_x, paper_y, grey_y, xx, yy, square };
-  static constexpr std::size_t count = 14;
+  enum Part { x, y, paper, grey, x_x, x_y, y_x, y_y, lit_x, paper_y, grey_y, xx, yy, toned, square };
+  static constexpr std::size_t count = 15;
   std::array<double, count> part{};
 
   void to_sums(const TagTemplate& tag, Sums& sums) const {
@@ -68,6 +73,7 @@ struct Parts {
     sum[Tag::shear] = slope * (part[y_x] + part[x_y]);
     sum[Tag::blur_x] = bend * part[xx];
     sum[Tag::blur_y] = bend * part[yy];
+    sum[Tag::tone] = unit * unit * part[toned];
     sum[Sums::square] = part[square];
   }
 };
@@ -140,7 +146,8 @@ void look_baseline(const Patch& patch, const Places& places, const TagTemplate& 
         values[i] = grey;
         const float gx = static_cast<float>(tag.t_x[i]) * grey;
         const float gy = static_cast<float>(tag.t_y[i]) * grey;
-        const float paper = static_cast<float>(tag.t[i]) * grey;
+        const auto t = static_cast<float>(tag.t[i]);
+        const float paper = t * grey;
         row_x[k] += gx;
         row_y[k] += gy;
         row_paper[k] += paper;
@@ -150,6 +157,7 @@ void look_baseline(const Patch& patch, const Places& places, const TagTemplate& 
         sum[Parts::lit_x][k] += x * (paper + ink * grey);
         sum[Parts::xx][k] += static_cast<float>(tag.t_xx[i]) * grey;
         sum[Parts::yy][k] += static_cast<float>(tag.t_yy[i]) * grey;
+        sum[Parts::toned][k] += paper * (all_paper - t);
         sum[Parts::square][k] += grey * grey;
       }
     }
@@ -189,8 +197,9 @@ float felt_baseline(const TagTemplate& tag, const Values& values, const Solution
           const float light = s.light_x * x + at.light;
           const float in_x = s.stretch_x * x + at.in_x;
           const float in_y = s.into_y * x + at.in_y;
-          const float flat =
-              (values[i] - (s.ink * light + s.constant)) - static_cast<float>(tag.t[i]) * (s.paper + light);
+          const auto t = static_cast<float>(tag.t[i]);
+          const float toned = (s.paper + light) + s.tone * (all_paper - t);
+          const float flat = (values[i] - (s.ink * light + s.constant)) - t * toned;
           const float moved = (flat - t_x * in_x) - t_y * in_y;
           const float left =
               (moved - static_cast<float>(tag.t_xx[i]) * s.blur_x) - static_cast<float>(tag.t_yy[i]) * s.blur_y;
@@ -284,6 +293,7 @@ SKEIN_AVX2 void look_avx2(const Patch& patch, const Places& places, const TagTem
   const __m256i byte = _mm256_set1_epi32(0xff);
   const __m256 middle = _mm256_set1_ps(128.0F);
   const __m256 ink = _mm256_set1_ps(Tag::ink / Tag::paper_unit);
+  const __m256 white_paper = _mm256_set1_ps(all_paper);
   const int* upper = reinterpret_cast<const int*>(patch.pixels);
   const int* lower = reinterpret_cast<const int*>(patch.pixels + patch.stride);
   for (std::size_t row = 0; row < rows; ++row) {
@@ -311,7 +321,8 @@ SKEIN_AVX2 void look_avx2(const Patch& patch, const Places& places, const TagTem
       const __m256 x = _mm256_load_ps(&sample_grid.x[part]);
       const __m256 gx = mul(number(tag.t_x, i), grey);
       const __m256 gy = mul(number(tag.t_y, i), grey);
-      const __m256 paper = mul(number(tag.t, i), grey);
+      const __m256 t = number(tag.t, i);
+      const __m256 paper = mul(t, grey);
       row_x = add(row_x, gx);
       row_y = add(row_y, gy);
       row_paper = add(row_paper, paper);
@@ -321,6 +332,7 @@ SKEIN_AVX2 void look_avx2(const Patch& patch, const Places& places, const TagTem
       sum[Parts::lit_x] = add(sum[Parts::lit_x], mul(x, add(paper, mul(ink, grey))));
       sum[Parts::xx] = add(sum[Parts::xx], mul(number(tag.t_xx, i), grey));
       sum[Parts::yy] = add(sum[Parts::yy], mul(number(tag.t_yy, i), grey));
+      sum[Parts::toned] = add(sum[Parts::toned], mul(paper, sub(white_paper, t)));
       sum[Parts::square] = add(sum[Parts::square], mul(grey, grey));
     }
     const __m256 y = _mm256_set1_ps(sample_grid.y[row]);
@@ -350,6 +362,8 @@ SKEIN_AVX2 float felt_avx2(const TagTemplate& tag, const Values& values, const S
   const __m256 blur_x = _mm256_set1_ps(s.blur_x);
   const __m256 blur_y = _mm256_set1_ps(s.blur_y);
   const __m256 ink = _mm256_set1_ps(s.ink);
+  const __m256 tone = _mm256_set1_ps(s.tone);
+  const __m256 white_paper = _mm256_set1_ps(all_paper);
   __m256 total = _mm256_setzero_ps();
   for (int band = 0; band < Blocks::bands; ++band) {
     __m256 gx[row_parts], gy[row_parts], turn[row_parts];
@@ -370,8 +384,9 @@ SKEIN_AVX2 float felt_avx2(const TagTemplate& tag, const Values& values, const S
         const __m256 light = add(mul(light_x, x), line_light);
         const __m256 in_x = add(mul(stretch_x, x), line_in_x);
         const __m256 in_y = add(mul(into_y, x), line_in_y);
-        const __m256 flat = sub(sub(_mm256_loadu_ps(&values[i]), add(mul(ink, light), constant)),
-                                mul(number(tag.t, i), add(gain, light)));
+        const __m256 t = number(tag.t, i);
+        const __m256 toned = add(add(gain, light), mul(tone, sub(white_paper, t)));
+        const __m256 flat = sub(sub(_mm256_loadu_ps(&values[i]), add(mul(ink, light), constant)), mul(t, toned));
         const __m256 moved = sub(sub(flat, mul(t_x, in_x)), mul(t_y, in_y));
         const __m256 left = sub(sub(moved, mul(number(tag.t_xx, i), blur_x)), mul(number(tag.t_yy, i), blur_y));
         const __m256 left_x = mul(left, t_x);

@@ -156,7 +156,7 @@ TagTemplate::TagTemplate(const TagPattern& pattern, double blur_sigma) : sigma(b
 }
 
 TagTemplate::LastStep TagTemplate::last_step_of(const Full& normal) {
-  return core::math::inverse(normal.topLeftCorner<blurring_columns, blurring_columns>()).topRows<3>().cast<float>();
+  return core::math::inverse(normal.topLeftCorner<optical_columns, optical_columns>()).topRows<3>().cast<float>();
 }
 
 Eigen::Matrix<double, TagTemplate::columns, 1> TagTemplate::row(std::size_t point) const {
@@ -172,7 +172,7 @@ Eigen::Matrix<double, TagTemplate::columns, 1> TagTemplate::row(std::size_t poin
   Eigen::Matrix<double, columns, 1> result;
   const double lit = grey + static_cast<double>(ink);
   result << tx, ty, x * ty - y * tx, grey, 1.0, x * lit, y * lit, value(t_xx, bend_unit), value(t_yy, bend_unit),
-      x * tx, y * ty, x * ty + y * tx;
+      grey * (1.0 - grey), x * tx, y * ty, x * ty + y * tx;
   return result;
 }
 

@@ -61,8 +61,10 @@ std::array<float, SampleGrid::points> blurred_pattern(const TagPattern& pattern,
 /// which is linear in (gain dx, gain dy, gain dtheta, gain, offset, a, b): one step of Gauss and Newton is one product
 /// with a matrix that is known beforehand (inverse compositional). a and b are the light's gradient, without which
 /// a tag half in a lamp's cone, or in one row's light and the next's, is shifted. Two more columns blur it along its
-/// axes: focus and motion differ from what the template was made for, but move no edge. The last three let the tag
-/// stretch and shear, too: a tag on a robot does not, one that is held up or tilted does.
+/// axes: focus and motion differ from what the template was made for, but move no edge. Tone, T (1 - T), bends the
+/// curve of the grey levels: a camera's gamma, overexposure, or ink that spreads makes edges brighter or darker than
+/// the mean of both sides, all around. The last three let the tag stretch and shear, too: a tag on a robot does not,
+/// one that is held up or tilted does.
 struct alignas(64) TagTemplate {
   /// blur_sigma: in modules.
   TagTemplate(const TagPattern& pattern, double blur_sigma);
@@ -79,16 +81,17 @@ struct alignas(64) TagTemplate {
     light_y,
     blur_x,
     blur_y,
+    tone,
     stretch_x,
     stretch_y,
     shear
   };
   static constexpr int rigid_columns = 7;
-  static constexpr int blurring_columns = 9;
-  static constexpr int columns = 12;
+  static constexpr int optical_columns = 10;
+  static constexpr int columns = 13;
   static constexpr float ink = 0.15F;  // what ink reflects, as a part of the difference between paper and ink
   using Rigid = Eigen::Matrix<double, rigid_columns, rigid_columns>;
-  using Blurring = Eigen::Matrix<double, blurring_columns, blurring_columns>;
+  using Optical = Eigen::Matrix<double, optical_columns, optical_columns>;
   using Full = Eigen::Matrix<double, columns, columns>;
 
   /// The columns of blur are the template blurred so many times as much less the template itself, scaled as its second
@@ -114,11 +117,11 @@ struct alignas(64) TagTemplate {
     return full_inverse[static_cast<std::size_t>(row * columns + column)];
   }
 
-  /// The first three rows of the inverse of the normal matrix of the first nine columns: times the sums, the step of a
-  /// fit in which the tag is free to blur; times the noise, that step's covariance. Points lie further apart than a
-  /// sharp edge is wide. In a picture softer or sharper than the template, the first seven columns take the difference
-  /// at the few points that are near edges for a step, which the noise does not explain.
-  using LastStep = Eigen::Matrix<float, 3, blurring_columns>;
+  /// The first three rows of the inverse of the normal matrix of the first ten columns: times the sums, the step of a
+  /// fit in which the tag is free to blur and to change its tone; times the noise, that step's covariance. Points lie
+  /// further apart than a sharp edge is wide. In a picture softer or sharper than the template, the first seven columns
+  /// take the difference at the few points that are near edges for a step, which the noise does not explain.
+  using LastStep = Eigen::Matrix<float, 3, optical_columns>;
   LastStep last_step;
   static LastStep last_step_of(const Full& normal);
 
