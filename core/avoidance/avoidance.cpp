@@ -38,7 +38,10 @@ Repulsion repulsion(const AvoidanceParameters& region, const Scene& scene, std::
   Repulsion sum;
   const Pose& pose = scene.poses[i];
   const auto add = [&](const AvoidanceParameters& a, double x_j, double y_j) {
-    if (!(region_level(a, pose.x - x_j, pose.y - y_j) <= 1.0)) return;  // nor where a pose is not known (NaN)
+    constexpr double outside = 1.001;  // nearly all are, and then no power is needed
+    const double dx = pose.x - x_j, dy = pose.y - y_j;
+    if (std::abs(dx) > outside * a.alpha || std::abs(dy) > outside * a.beta) return;
+    if (!(region_level(a, dx, dy) <= 1.0)) return;  // nor where a pose is not known (NaN)
     const Velocity d = descent(a, pose.x, pose.y, nominal.x, nominal.y, x_j, y_j);
     sum.velocity = {sum.velocity.x + d.x, sum.velocity.y + d.y};
     sum.inside = true;
