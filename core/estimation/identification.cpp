@@ -131,7 +131,8 @@ class Filter {
   void begin(const SeenPose& seen) {
     const auto& knots = input_.wheels;
     t_ = seen.t - delay_;
-    const double theta = seen.pose.theta - turned_, c = math::cos(theta), s = math::sin(theta);
+    const double theta = seen.pose.theta - turned_;
+    const auto [s, c] = math::sincos(theta);
     state_ << seen.pose.x - ahead_ * c + aside_ * s, seen.pose.y - ahead_ * s - aside_ * c, theta;
     Matrix3 back = Matrix3::Identity();  // d state / d measured
     back(0, 2) = ahead_ * s + aside_ * c;
@@ -155,8 +156,9 @@ class Filter {
         const double left = left_step_ * share * (b.left - a.left), right = right_step_ * share * (b.right - a.right);
         const double turn = (right - left) / track_, half = 0.5 * turn;
         const double chord = 0.5 * (left + right) * sinc(half);
-        state_[0] += chord * math::cos(state_[2] + half);
-        state_[1] += chord * math::sin(state_[2] + half);
+        const auto [s, c] = math::sincos(state_[2] + half);
+        state_[0] += chord * c;
+        state_[1] += chord * s;
         state_[2] += turn;
         left_way += std::abs(left);
         right_way += std::abs(right);
@@ -168,7 +170,7 @@ class Filter {
     Matrix3 carry = Matrix3::Identity();
     carry(0, 2) = -(state_[1] - before[1]);
     carry(1, 2) = state_[0] - before[0];
-    const double middle = 0.5 * (before[2] + state_[2]), c = math::cos(middle), s = math::sin(middle);
+    const auto [s, c] = math::sincos(0.5 * (before[2] + state_[2]));
     Eigen::Matrix<double, 3, 2> wheels;
     wheels << 0.5 * c, 0.5 * c, 0.5 * s, 0.5 * s, -1.0 / track_, 1.0 / track_;
     // A heading that is off half way on average moves the end sideways, too.
@@ -401,10 +403,11 @@ class Search {
         slope[i] += weighted.dot(error[i]) + 0.5 * spread[i].trace() -
                     0.5 * weighted.dot(found.covariance * (spread[i] * weighted));
       }
-      for (std::size_t i = 0; i < unknowns; ++i)
-        for (std::size_t j = 0; j <= i; ++j)
-          information(i, j) +=
-              error[i].dot(inverse * error[j]) + 0.5 * spread[i].cwiseProduct(spread[j].transpose()).sum();
+      for (std::size_t j = 0; j < unknowns; ++j) {
+        const Vector3 by_covariance = inverse * error[j];
+        for (std::size_t i = j; i < unknowns; ++i)
+          information(i, j) += error[i].dot(by_covariance) + 0.5 * spread[i].cwiseProduct(spread[j].transpose()).sum();
+      }
     }
     information.triangularView<Eigen::StrictlyUpper>() = information.transpose();
   }
