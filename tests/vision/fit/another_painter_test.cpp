@@ -21,6 +21,21 @@ struct Optics {
   double gamma = 1.0;  // of the camera: most webcams have 2.2
 };
 
+/// What each pixel sees of a column of samples: their mean over the pixel after a Gaussian blur. As cv::GaussianBlur
+/// and cv::resize after it, but computed only where pixels are.
+cv::Mat rows_of_pixels(const cv::Mat& fine, int samples, double sigma) {
+  const int reach = sigma > 0.0 ? cvRound(4.0 * sigma) : 0;
+  const cv::Mat gauss = reach > 0 ? cv::getGaussianKernel(2 * reach + 1, sigma, CV_32F) : cv::Mat::ones(1, 1, CV_32F);
+  cv::Mat weights = cv::Mat::zeros(1, gauss.rows + samples - 1, CV_32F);
+  for (int first = 0; first < samples; ++first)
+    weights.colRange(first, first + gauss.rows) += gauss.t() / static_cast<double>(samples);
+  cv::Mat wider, rows(fine.rows / samples, fine.cols, CV_32F);
+  cv::copyMakeBorder(fine, wider, reach, reach, 0, 0, cv::BORDER_REFLECT_101);
+  for (int row = 0; row < rows.rows; ++row)
+    rows.row(row) = weights * wider.rowRange(row * samples, row * samples + weights.cols);
+  return rows;
+}
+
 /// A tag as another painter than the product's draws it: the mean of 8 x 8 samples a pixel, by OpenCV's blur and noise.
 void paint_by_opencv(const Calibration& camera, const TagPattern& pattern, const core::Pose& pose, const Optics& optics,
                      cv::RNG& noise, Frame& frame) {
@@ -53,9 +68,9 @@ void paint_by_opencv(const Calibration& camera, const TagPattern& pattern, const
   cv::warpPerspective(cells, fine, cells_of_modules * into_modules * pixels_of_samples,
                       {2 * half * samples, 2 * half * samples}, cv::INTER_NEAREST | cv::WARP_INVERSE_MAP,
                       cv::BORDER_CONSTANT, 120.0);
-  if (optics.blur_px > 0.0) cv::GaussianBlur(fine, fine, {}, samples * optics.blur_px);
-  cv::Mat picture, grain(2 * half, 2 * half, CV_32F);
-  cv::resize(fine, picture, grain.size(), 0.0, 0.0, cv::INTER_AREA);
+  const double sigma = samples * optics.blur_px;
+  cv::Mat picture = rows_of_pixels(rows_of_pixels(fine, samples, sigma).t(), samples, sigma).t();
+  cv::Mat grain(picture.size(), CV_32F);
   noise.fill(grain, cv::RNG::NORMAL, 0.0, optics.noise);
   picture += grain;
   if (optics.gamma != 1.0) {
