@@ -13,21 +13,9 @@
 #include "vision/detector/likeness.h"
 
 namespace skein::vision {
-namespace {
-
-struct DestroyFamily {
-  void operator()(apriltag_family_t* family) const { tag36h11_destroy(family); }
-};
-struct DestroyDetector {
-  void operator()(apriltag_detector_t* detector) const { apriltag_detector_destroy(detector); }
-};
-
-}  // namespace
 
 struct TagDetector::Parts {
-  // The detector goes first: it still looks at its families when it is destroyed.
-  std::unique_ptr<apriltag_family_t, DestroyFamily> family{tag36h11_create()};
-  std::unique_ptr<apriltag_detector_t, DestroyDetector> detector{apriltag_detector_create()};
+  detail::AprilTagDetector detector = detail::create_detector();
   std::vector<std::uint8_t> cut;  // a window's pixels, without the gaps between its rows
   std::vector<detail::TagPattern> patterns = detail::tag_patterns();
   double least_likeness = 0.0;
@@ -51,9 +39,34 @@ struct TagDetector::Parts {
   }
 };
 
-void detail::add_family(apriltag_detector& detector, apriltag_family& family, int bits_corrected) {
-  apriltag_detector_add_family_bits(&detector, &family, bits_corrected);
+void detail::make_table(apriltag_family& family, int bits_corrected) {
+  apriltag_detector_add_family_bits(create_detector().get(), &family, bits_corrected);
   if (family.impl == nullptr) throw std::bad_alloc();
+}
+
+apriltag_family& detail::family_36h11() {
+  static apriltag_family& family = []() -> apriltag_family& {
+    struct Destroy {
+      void operator()(apriltag_family* of_no_use) const { tag36h11_destroy(of_no_use); }
+    };
+    std::unique_ptr<apriltag_family, Destroy> made(tag36h11_create());
+    make_table(*made, 2);  // of a tag's 36 bits; 3 would take a second and a gigabyte, and find ghosts
+    return *made.release();
+  }();
+  return family;
+}
+
+detail::AprilTagDetector detail::create_detector() {
+  return AprilTagDetector(apriltag_detector_create());
+}
+
+void detail::DestroyDetector::operator()(apriltag_detector* detector) const {
+  zarray_clear(detector->tag_families);
+  apriltag_detector_destroy(detector);
+}
+
+void detail::add_family(apriltag_detector& detector, apriltag_family& family) {
+  apriltag_detector_add_family(&detector, &family);
 }
 
 void detail::expect_memory_for(int width, int height) {
@@ -71,7 +84,7 @@ void detail::expect_memory_for(int width, int height) {
 }
 
 TagDetector::TagDetector(const DetectorOptions& options) : parts_(std::make_unique<Parts>()) {
-  detail::add_family(*parts_->detector, *parts_->family, std::clamp(options.bits_corrected, 0, 2));
+  detail::add_family(*parts_->detector, detail::family_36h11());
   parts_->detector->nthreads = std::max(1, options.threads);
   parts_->least_likeness = options.least_likeness;
   set_decimate(options.decimate);

@@ -13,7 +13,6 @@ struct DetectorOptions {
   int min_white_black_diff =
       5;                        // grey levels between ink and paper; 40 is 3 times faster on a textured, well-lit floor
   int threads = 1;              // of a search; more gain little below a few megapixels
-  int bits_corrected = 2;       // of a tag's 36; 3 would take a second and a gigabyte to prepare, and find ghosts
   double least_likeness = 0.7;  // texture that happens to decode reaches a half; -1: AprilTag's own answer
 };
 
@@ -26,7 +25,7 @@ struct Window {
 };
 
 /// Finds the tags of the family 36h11: AprilTag's detections that also correlate with the tag that they decode to.
-/// Takes ~80 ms and ~30 MB to build: once, never per frame. Not for two threads at once.
+/// The first of a process takes ~50 ms and ~20 MB to build, which all share. Not for two threads at once.
 class TagDetector {
  public:
   explicit TagDetector(const DetectorOptions& options = {});
@@ -41,7 +40,7 @@ class TagDetector {
   /// the edge is cut there.
   const std::vector<Detection>& detect(const Frame& frame, Window window);
 
-  /// May be changed between calls (threads and bits_corrected only at the start).
+  /// May be changed between calls (threads only at the start).
   void set_decimate(double decimate);
   void set_min_white_black_diff(int grey_levels);
 

@@ -15,6 +15,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 
 #include "vision/detector/detector.h"
 #include "vision/detector/found_tags.h"
@@ -59,8 +60,8 @@ std::uint64_t mirrored(std::uint64_t code, const apriltag_family_t& family) {
   return image;
 }
 
-/// A family as AprilTag is given it. All families that it creates of one kind share their codes, so that changed ones
-/// are kept here.
+/// A family as AprilTag is given it, with its table. All families that it creates of one kind share their codes, so
+/// that changed ones are kept here.
 class Family {
  public:
   explicit Family(const Entry& entry) : original_(entry.create(), entry.destroy), changed_(*original_) {
@@ -78,6 +79,7 @@ class Family {
         break;
     }
     changed_.codes = codes_.data();
+    detail::make_table(changed_, entry.bits_corrected);
   }
   Family(const Family&) = delete;
   Family& operator=(const Family&) = delete;
@@ -91,14 +93,25 @@ class Family {
   apriltag_family_t changed_;
 };
 
+/// All of them, made once in a process as the tracker's is: detectors only read them.
+std::array<apriltag_family_t*, families.size()> families_with_tables() {
+  static std::mutex one_makes_them;
+  static std::array<Family*, families.size()> made{};
+  const std::lock_guard lock(one_makes_them);
+  std::array<apriltag_family_t*, families.size()> all{};
+  for (std::size_t k = 0; k < families.size(); ++k) {
+    const bool of_robots = families[k].change == Change::none;
+    if (!of_robots && made[k] == nullptr) made[k] = std::make_unique<Family>(families[k]).release();
+    all[k] = of_robots ? &detail::family_36h11() : made[k]->get();
+  }
+  return all;
+}
+
 class Reader {
  public:
-  explicit Reader(int min_white_black_diff) : detector_(apriltag_detector_create(), apriltag_detector_destroy) {
+  explicit Reader(int min_white_black_diff) {
     detector_->qtp.min_white_black_diff = min_white_black_diff;
-    for (std::size_t k = 0; k < families.size(); ++k) {
-      families_[k] = std::make_unique<Family>(families[k]);
-      detail::add_family(*detector_, *families_[k]->get(), families[k].bits_corrected);
-    }
+    for (apriltag_family_t* family : families_) detail::add_family(*detector_, *family);
   }
 
   void read(const Frame& frame, double decimate, std::array<std::vector<Detection>, families.size()>& found) {
@@ -111,7 +124,7 @@ class Reader {
       apriltag_detection_t* one = nullptr;
       zarray_get(detections, i, &one);
       for (std::size_t k = 0; k < families.size(); ++k)
-        if (one->family == families_[k]->get())
+        if (one->family == families_[k])
           accept(frame, families[k].change, detail::detection_of(one->id, one->decision_margin, one->p), found[k]);
     }
     apriltag_detections_destroy(detections);
@@ -147,9 +160,8 @@ class Reader {
     return seen.likeness >= DetectorOptions{}.least_likeness;
   }
 
-  // The detector goes first: it still looks at its families when it is destroyed.
-  std::array<std::unique_ptr<Family>, families.size()> families_;
-  std::unique_ptr<apriltag_detector_t, void (*)(apriltag_detector_t*)> detector_;
+  std::array<apriltag_family_t*, families.size()> families_ = families_with_tables();
+  detail::AprilTagDetector detector_ = detail::create_detector();
   std::vector<detail::TagPattern> patterns_ = detail::tag_patterns();
 };
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <memory>
 #include <tuple>
 
 #include "vision/tags/detection.h"
@@ -15,9 +16,22 @@ namespace skein::vision::detail {
 /// than one. [px]
 inline constexpr int least_side = 16;
 
-/// From now on the detector looks for tags of this family, too. Without memory for its table AprilTag writes a line to
-/// stderr, and would never see a tag: throws std::bad_alloc.
-void add_family(apriltag_detector& detector, apriltag_family& family, int bits_corrected);
+/// Makes the table by which AprilTag reads the codes of a family, with so many wrong bits; two take 45 ms and 19 MB.
+/// Without memory for it AprilTag writes a line to stderr, and would never see a tag: throws std::bad_alloc.
+void make_table(apriltag_family& family, int bits_corrected);
+
+/// The robots' family, with its table. Detectors only read it: the process has one of it, and keeps it to its end.
+apriltag_family& family_36h11();
+
+/// Destroys a detector and none of its families' tables, which AprilTag would destroy as well.
+struct DestroyDetector {
+  void operator()(apriltag_detector* detector) const;
+};
+using AprilTagDetector = std::unique_ptr<apriltag_detector, DestroyDetector>;
+AprilTagDetector create_detector();
+
+/// From now on the detector looks for tags of this family, which has its table, too.
+void add_family(apriltag_detector& detector, apriltag_family& family);
 
 /// AprilTag does not look at what malloc answers, and ends the process by a signal where there is no memory. Where
 /// memory is limited (`ulimit -v`, `ulimit -d`) and a search of so many pixels may exceed it: throws std::bad_alloc.

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <new>
+#include <vector>
 
 #include "tests/vision/support.h"
 #include "vision/synthetic/synthetic_camera.h"
@@ -152,7 +153,21 @@ TEST(TagDetector, WithoutMemoryIsAnErrorAndNotBlind) {
     }
     std::_Exit(0);
   };
+  GTEST_FLAG_SET(death_test_style, "threadsafe");  // in a process that has no table yet
   EXPECT_EXIT(without_memory(), ::testing::ExitedWithCode(7), "");
+}
+
+/// A table has 19 MB.
+TEST(TagDetector, AllOfAProcessShareOneTable) {
+  const auto taken = [] {
+    std::size_t pages = 0;
+    std::ifstream("/proc/self/statm") >> pages;
+    return pages * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+  };
+  const TagDetector first;
+  const std::size_t before = taken();
+  const std::vector<TagDetector> others(8);
+  EXPECT_LT(taken(), before + (std::size_t{16} << 20));
 }
 
 /// A large picture under `ulimit -v`: AprilTag ended the program by SIGSEGV.
