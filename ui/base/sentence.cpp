@@ -57,7 +57,7 @@ QString reason_text(core::NotSeen why) {
     case core::NotSeen::too_small:
       return tr("its tag has too few pixels");
     case core::NotSeen::too_bright:
-      return tr("the picture is too bright");
+      return tr("the picture, or a part of its tag, is too bright");
     case core::NotSeen::in_shadow:
       return tr("its tag lies in shadow");
     case core::NotSeen::blurred:

@@ -24,43 +24,50 @@ constexpr std::size_t cells = static_cast<std::size_t>(side) * side;
 constexpr double modules = 8.0;  // of a tag's edge
 constexpr int least_bits = 18;
 constexpr double least_correlation = 0.9;  // of a tag that is in place; sharp ones have 0.97, others at most 0.95
-constexpr double least_of_a_guess = 0.4;   // of one that is half a module and 4 degrees away
+// The border leaves what is whole; a cover's edge may lie in what is compared. Free halves have 0.97, others 0.93.
+constexpr double least_of_a_half = 0.95;
+constexpr double least_of_a_guess = 0.4;  // of one that is half a module and 4 degrees away
 
-/// Means of a frame over rectangles.
-class BoxMeans {
+/// Means of a frame over the squares around its pixels, computed once: the search asks for each of them many times.
+class SquareMeans {
  public:
-  explicit BoxMeans(const Frame& frame)
-      : width_(frame.width),
+  /// `half`: of a square's side, rounded to pixels around the one in its middle.
+  SquareMeans(const Frame& frame, double half)
+      : reach_(static_cast<int>(std::lround(half))),
+        width_(frame.width),
         height_(frame.height),
-        sums_(static_cast<std::size_t>(frame.width + 1) * static_cast<std::size_t>(frame.height + 1)) {
+        means_(static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height)) {
+    const int square = 2 * reach_ + 1;
+    std::vector<int> columns(static_cast<std::size_t>(width_));  // sums over the rows of a square
     for (int v = 0; v < height_; ++v) {
-      std::uint32_t row = 0;
       for (int u = 0; u < width_; ++u) {
-        row += frame.row(v)[u];
-        sums_[at(u + 1, v + 1)] = sums_[at(u + 1, v)] + row;
+        int& sum = columns[static_cast<std::size_t>(u)];
+        sum += frame.row(v)[u] - (v >= square ? frame.row(v - square)[u] : 0);
+      }
+      if (v + 1 < square) continue;
+      int sum = 0;
+      for (int u = 0; u < width_; ++u) {
+        sum += columns[static_cast<std::size_t>(u)];
+        if (u >= square) sum -= columns[static_cast<std::size_t>(u - square)];
+        if (u + 1 >= square)
+          means_[at(u - reach_, v - reach_)] = static_cast<float>(sum) / static_cast<float>(square * square);
       }
     }
   }
-  /// Of the square around a pixel; none: it reaches over the frame's border.
-  std::optional<float> mean(const Eigen::Vector2d& middle, double half) const {
-    const Eigen::Vector2d from_corner = middle + Eigen::Vector2d(0.5, 0.5);
-    const bool in = middle.x() >= half && middle.x() < width_ && middle.y() >= half && middle.y() < height_;
-    if (!in) return {};  // nor is what is no number
-    const int left = static_cast<int>(from_corner.x() - half), top = static_cast<int>(from_corner.y() - half);
-    const int right = static_cast<int>(from_corner.x() + half) + 1;
-    const int bottom = static_cast<int>(from_corner.y() + half) + 1;
-    if (right > width_ || bottom > height_) return {};
-    const std::uint32_t sum =
-        sums_[at(right, bottom)] - sums_[at(left, bottom)] - sums_[at(right, top)] + sums_[at(left, top)];
-    return static_cast<float>(sum) / static_cast<float>((right - left) * (bottom - top));
+  /// Around the pixel that is next to a place; none: the square reaches over the frame's border.
+  std::optional<float> mean(const Eigen::Vector2d& middle) const {
+    const double u = middle.x() + 0.5, v = middle.y() + 0.5;
+    if (!(u >= reach_ && v >= reach_ && u < width_ - reach_ && v < height_ - reach_))
+      return {};  // nor if it is no number
+    return means_[at(static_cast<int>(u), static_cast<int>(v))];
   }
 
  private:
   std::size_t at(int u, int v) const {
-    return static_cast<std::size_t>(v) * static_cast<std::size_t>(width_ + 1) + static_cast<std::size_t>(u);
+    return static_cast<std::size_t>(v) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(u);
   }
-  int width_, height_;
-  std::vector<std::uint32_t> sums_;  // modulo 2^32, which differences of a few pixels do not notice
+  int reach_, width_, height_;
+  std::vector<float> means_;
 };
 
 constexpr int depth(std::size_t cell) {  // 0: the white border, 1: the black one, more: a bit
@@ -75,10 +82,11 @@ constexpr bool is_bit(std::size_t cell) {
 /// The cells that all tags share, in an order in which the first few are spread over all sides, and the bits.
 struct Cells {
   std::vector<std::size_t> shared, bits;
-  Cells() {
+  explicit Cells(bool left_half) {
     constexpr std::size_t apart = 7;
     for (std::size_t first = 0; first < apart; ++first)
-      for (std::size_t k = first; k < cells; k += apart) (is_bit(k) ? bits : shared).push_back(k);
+      for (std::size_t k = first; k < cells; k += apart)
+        if (!left_half || k % side < side / 2) (is_bit(k) ? bits : shared).push_back(k);
   }
 };
 
@@ -114,31 +122,35 @@ struct View {
 
 class Viewer {
  public:
-  Viewer(const Frame& frame, const Calibration& calibration) : means_(frame), module_(calibration.tag_size / modules) {}
+  /// `left_half`: only of the half that is on the left in the view; the other one is not looked at.
+  Viewer(const Frame& frame, const Calibration& calibration, bool left_half)
+      : means_(frame, 0.3 * tag_edge_px(calibration) / modules),
+        module_(calibration.tag_size / modules),
+        cells_(left_half) {}
 
   /// None: too little of a tag, or nothing that could be one.
   std::optional<View> view(const Spot& spot, double theta) const {
     const Eigen::Matrix2d px_per_module = module_ * spot.px_per_metre * Eigen::Rotation2Dd(theta).toRotationMatrix();
-    const double half = 0.3 * std::sqrt(std::abs(px_per_module.determinant()));
     View view;
     const auto look = [&](std::size_t k) {
       const std::size_t column = k % side, row = k / side;
       const double x = static_cast<double>(column) - 0.5 * (side - 1);
       const double y = 0.5 * (side - 1) - static_cast<double>(row);
-      const auto grey = means_.mean(spot.pixel + px_per_module * Eigen::Vector2d(x, y), half);
+      const auto grey = means_.mean(spot.pixel + px_per_module * Eigen::Vector2d(x, y));
       view.shown[k] = grey.has_value();
       view.cut = view.cut || !grey;
       if (grey) view.grey[k] = *grey;
     };
-    constexpr std::size_t first_look = 16;  // cells: of nearly all places, these show that no tag is there
-    std::array<double, 2> sum{}, count{};   // of ink, of paper
+    constexpr std::size_t glance = 6, first_look = 16;  // cells: of nearly all places, these show that no tag is there
+    std::array<double, 2> sum{}, count{};               // of ink, of paper
     for (std::size_t seen = 0; const std::size_t k : cells_.shared) {
       look(k);
       if (!view.shown[k]) continue;
       const std::size_t which = depth(k) == 0 ? 1 : 0;
       sum[which] += view.grey[k];
       count[which] += 1.0;
-      if (++seen == first_look && sum[1] * count[0] - sum[0] * count[1] < least_contrast * count[0] * count[1])
+      const double least = ++seen == glance ? 0.5 * least_contrast : least_contrast;
+      if ((seen == glance || seen == first_look) && sum[1] * count[0] - sum[0] * count[1] < least * count[0] * count[1])
         return {};
     }
     if (count[0] == 0.0 || count[1] == 0.0) return {};
@@ -154,8 +166,22 @@ class Viewer {
     return view;
   }
 
+  /// Around the middle of a tag of this edge [px] no two modules could be ink and paper.
+  bool is_plain(const Eigen::Vector2d& pixel, double edge) const {
+    const double module = edge / modules;
+    float darkest = 255.0F, brightest = 0.0F;
+    for (int row = -2; row <= 2; ++row)
+      for (int column = -2; column <= 2; ++column) {
+        const auto grey = means_.mean(pixel + module * Eigen::Vector2d(column, row));
+        if (!grey) continue;
+        darkest = std::min(darkest, *grey);
+        brightest = std::max(brightest, *grey);
+      }
+    return brightest - darkest < least_contrast;
+  }
+
  private:
-  BoxMeans means_;
+  SquareMeans means_;
   double module_;  // [m]
   Cells cells_;
 };
@@ -203,40 +229,46 @@ bool reads_only_as(const View& view, const TagPattern& tag, const std::vector<Ta
 
 struct Guess {
   Eigen::Vector2d pixel;
-  double theta = 0.0;
+  double theta = 0.0;    // of the view
+  std::size_t turn = 0;  // quarters to the left from the view to the tag
   double correlation = 0.0;
 };
 
 constexpr double quarter = 0.5 * std::numbers::pi;
 
-/// Where one of `tags` may be: the best place in each square of half an edge along the border, with the tag's index.
-std::vector<std::pair<std::size_t, Guess>> guesses_along_border(const Frame& frame, const Calibration& calibration,
-                                                                const Viewer& viewer, double step, double edge,
-                                                                const std::vector<TagPattern>& tags) {
+using Turns = std::array<TagPattern, 4>;
+
+Turns turns_of(const TagPattern& tag) {
+  const TagPattern once = turned(tag), twice = turned(once);
+  return {tag, once, twice, turned(twice)};
+}
+
+/// Where one of the tags that are turned in `tags` may be, of which the border hides a part, or, if `covered`,
+/// something else: the best place in each square of half an edge, with the tag's index.
+std::vector<std::pair<std::size_t, Guess>> guesses_of(const Frame& frame, const Calibration& calibration,
+                                                      const Viewer& viewer, double step, double edge,
+                                                      const std::vector<Turns>& tags, bool covered) {
   constexpr int angles = 12;                               // of a quarter: 7.5 degrees
+  const int all_angles = covered ? 4 * angles : angles;    // the half that is left may be on any side
   const double outside = 0.2 * edge, inside = 0.9 * edge;  // the middle of a tag that is cut [px]
-  std::vector<std::array<TagPattern, 4>> turns;
-  for (const TagPattern& tag : tags) {
-    const TagPattern once = turned(tag), twice = turned(once);
-    turns.push_back({tag, once, twice, turned(twice)});
-  }
   std::map<std::array<long, 3>, Guess> best;
   for (double v = -outside; v < frame.height + outside; v += step)
     for (double u = -outside; u < frame.width + outside; u += step) {
-      if (std::min({u, v, frame.width - 1.0 - u, frame.height - 1.0 - v}) > inside) {
+      if (!covered && std::min({u, v, frame.width - 1.0 - u, frame.height - 1.0 - v}) > inside) {
         u = std::max(u, frame.width - 1.0 - inside - step);  // on to the other side
         continue;
       }
+      if (covered && viewer.is_plain({u, v}, edge)) continue;
       const auto spot = spot_at(calibration, {u, v});
-      for (int angle = 0; spot && angle < angles; ++angle) {
+      for (int angle = 0; spot && angle < all_angles; ++angle) {
         const double theta = quarter * angle / angles;
         const auto view = viewer.view(*spot, theta);
         for (std::size_t i = 0; view && i < tags.size(); ++i)
           for (std::size_t turn = 0; turn < 4; ++turn) {
-            const double like = correlation(*view, turns[i][turn]);
+            const double like = correlation(*view, tags[i][turn]);
             if (like < least_of_a_guess) continue;
             Guess& guess = best[{static_cast<long>(i), std::lround(2.0 * u / edge), std::lround(2.0 * v / edge)}];
-            if (like > guess.correlation) guess = {{u, v}, theta + quarter * static_cast<double>(turn), like};
+            if (like > guess.correlation) guess = {{u, v}, theta, turn, like};
           }
       }
     }
@@ -256,7 +288,7 @@ void improve(Guess& guess, const Calibration& calibration, const Viewer& viewer,
       for (const auto& [du, dv, dtheta] :
            {std::array{move, 0.0, 0.0}, std::array{-move, 0.0, 0.0}, std::array{0.0, move, 0.0},
             std::array{0.0, -move, 0.0}, std::array{0.0, 0.0, turn}, std::array{0.0, 0.0, -turn}}) {
-        Guess other{guess.pixel + Eigen::Vector2d(du, dv), guess.theta + dtheta};
+        Guess other{guess.pixel + Eigen::Vector2d(du, dv), guess.theta + dtheta, guess.turn};
         const auto spot = spot_at(calibration, other.pixel);
         const auto view = spot ? viewer.view(*spot, other.theta) : std::nullopt;
         if (!view) continue;
@@ -269,27 +301,39 @@ void improve(Guess& guess, const Calibration& calibration, const Viewer& viewer,
   }
 }
 
-}  // namespace
-
-std::vector<std::optional<core::Pose>> find_cut_tags(const Frame& frame, const Calibration& calibration,
-                                                     std::span<const int> tags) {
+std::vector<std::optional<core::Pose>> find(const Frame& frame, const Calibration& calibration,
+                                            std::span<const int> tags, bool covered) {
   std::vector<std::optional<core::Pose>> found(tags.size());
   const double edge = tag_edge_px(calibration), step = std::max(1.0, edge / (2.0 * modules));  // half a module
   if (tags.empty() || edge < modules) return found;
   const std::vector<TagPattern> all = tag_patterns();
-  std::vector<TagPattern> wanted;
-  for (const int tag : tags) wanted.push_back(all.at(static_cast<std::size_t>(tag)));
-  const Viewer viewer(frame, calibration);
-  std::vector<double> best(tags.size(), least_correlation);
-  for (auto& [i, guess] : guesses_along_border(frame, calibration, viewer, step, edge, wanted)) {
-    improve(guess, calibration, viewer, step, wanted[i]);
+  std::vector<Turns> wanted;
+  for (const int tag : tags) wanted.push_back(turns_of(all.at(static_cast<std::size_t>(tag))));
+  const Viewer viewer(frame, calibration, covered);
+  std::vector<double> best(tags.size(), covered ? least_of_a_half : least_correlation);
+  for (auto& [i, guess] : guesses_of(frame, calibration, viewer, step, edge, wanted, covered)) {
+    const TagPattern& tag = wanted[i][guess.turn];
+    improve(guess, calibration, viewer, step, tag);
     const auto spot = spot_at(calibration, guess.pixel);
     const auto view = spot ? viewer.view(*spot, guess.theta) : std::nullopt;
-    if (!view || !view->cut || guess.correlation < best[i] || !reads_only_as(*view, wanted[i], all)) continue;
+    if (!view || guess.correlation < best[i] || !(covered || view->cut) || !reads_only_as(*view, tag, all)) continue;
     best[i] = guess.correlation;
-    found[i] = core::Pose{spot->world.x(), spot->world.y(), core::wrap_angle(guess.theta)};
+    const double theta = guess.theta + quarter * static_cast<double>(guess.turn);
+    found[i] = core::Pose{spot->world.x(), spot->world.y(), core::wrap_angle(theta)};
   }
   return found;
+}
+
+}  // namespace
+
+std::vector<std::optional<core::Pose>> find_cut_tags(const Frame& frame, const Calibration& calibration,
+                                                     std::span<const int> tags) {
+  return find(frame, calibration, tags, false);
+}
+
+std::vector<std::optional<core::Pose>> find_covered_tags(const Frame& frame, const Calibration& calibration,
+                                                         std::span<const int> tags) {
+  return find(frame, calibration, tags, true);
 }
 
 }  // namespace skein::vision::detail

@@ -17,4 +17,9 @@ namespace skein::vision::detail {
 std::vector<std::optional<core::Pose>> find_cut_tags(const Frame& frame, const Calibration& calibration,
                                                      std::span<const int> tags);
 
+/// The same of tags anywhere in a frame of which something covers a part, or a lamp's reflection lies on it: the left,
+/// right, upper or lower half of a tag is enough. Takes about a second.
+std::vector<std::optional<core::Pose>> find_covered_tags(const Frame& frame, const Calibration& calibration,
+                                                         std::span<const int> tags);
+
 }  // namespace skein::vision::detail

@@ -249,6 +249,47 @@ void look_at_border(const Frame& frame, const Calibration& calibration, std::vec
   }
 }
 
+/// Tags that are not found, because something covers a part of them, or a lamp's reflection or a shadow lies on it.
+void look_for_covered(const Frame& frame, const Calibration& calibration, const std::vector<Detection>& found,
+                      std::vector<TagDiagnosis>& answers) {
+  std::vector<TagDiagnosis*> asked;
+  std::vector<int> tags;
+  for (TagDiagnosis& answer : answers) {
+    if (answer.why != NotSeen::not_found || answer.mark) continue;
+    asked.push_back(&answer);
+    tags.push_back(answer.tag);
+  }
+  const auto poses = detail::find_covered_tags(frame, calibration, tags);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (!poses[i]) continue;
+    TagDiagnosis& answer = *asked[i];
+    const auto at = pixel_from_world(calibration, {poses[i]->x, poses[i]->y, calibration.tag_height});
+    const bool of_another = !at || std::any_of(found.begin(), found.end(), [&](const Detection& seen) {
+      return (middle_of(seen.corners) - *at).norm() < answer.edge_px;
+    });
+    if (of_another) continue;
+    switch (detail::remains_of_tag(frame, calibration, {poses[i]->x, poses[i]->y}, answer.tag)) {
+      case detail::TagRemains::reflection:
+        answer.why = NotSeen::too_bright;
+        answer.partly = true;
+        break;
+      case detail::TagRemains::shadow:
+        answer.why = NotSeen::in_shadow;
+        answer.partly = true;
+        break;
+      case detail::TagRemains::none:
+      case detail::TagRemains::part:
+      case detail::TagRemains::whole:
+        answer.why = NotSeen::covered;
+        break;
+    }
+    answer.places = {{poses[i]->x, poses[i]->y}};
+    answer.pixels = {*at};
+    answer.size = calibration.tag_size;
+    answer.crops = {crop_around(*at, answer.edge_px)};
+  }
+}
+
 struct Light {
   double saturated = 0.0;  // share of the pixels
   int brightest = 0;       // 99 % of the pixels are darker or equal
@@ -447,6 +488,7 @@ std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibr
       look_for_remains(frame, planes[i], answer);
   }
   look_at_border(frame, calibration, answers);
+  look_for_covered(frame, calibration, found, answers);
   // Tags of few pixels that are blurred beyond recognition leave few edges that show it: what they showed before does.
   constexpr double width = 2.5;  // of an edge, for each of the blur's standard deviations
   for (std::size_t i = 0; i < answers.size(); ++i) {

@@ -49,10 +49,10 @@ struct TagDiagnosis {
   bool outside = false;                      // of a mark at_border: all of it
   std::optional<int> other{};                // id of another tag that lies in its place
   bool bare = false;                         // of covered: all of it is there, but no white border is around it
-  bool partly = false;                       // of a mark too_bright or in_shadow: only on a part of it
+  bool partly = false;                       // of too_bright or in_shadow: only a part of the tag
 };
 
-/// Searches one frame with methods that are too slow for the tracker (0.1 to 1 s at 1280x960), and says for each tag
+/// Searches one frame with methods that are too slow for the tracker (0.1 to 2 s at 1280x960), and says for each tag
 /// why the tracker reports none. Where a mark on the floor should be, the frame is judged by what it shows there. The
 /// calibration must hold for frames of this size and have a world frame; without one only marks may be asked about, and
 /// neither their places nor their sizes are judged. A mark of no size of its own is expected to be of tag_size.

@@ -193,11 +193,22 @@ std::string sentence(const TagDiagnosis& d, const Calibration& calibration) {
       return fmt::format("tag {} cannot be read: a tag of {} has {:.1f} px in this picture, and {:.0f} are needed",
                          d.tag, millimetres(calibration.tag_size), d.edge_px, least_edge_px);
     case NotSeen::too_bright:
+      if (d.partly)
+        return fmt::format(
+            "tag {} is there, but the reflection of a lamp lies on a part of it: move the lamp, or print the tag on "
+            "matt paper",
+            d.tag);
       return found
                  ? fmt::format("tag {} is there, but much of the picture is too bright: lower the exposure", d.tag)
                  : fmt::format("no tag {} is in the picture, and much of the picture is too bright: lower the exposure",
                                d.tag);
     case NotSeen::in_shadow:
+      if (d.partly)
+        return fmt::format(
+            "tag {} is there, but the edge of a shadow, or something thin and dark, lies across it: light it evenly, "
+            "or "
+            "clear it",
+            d.tag);
       if (!found)
         return fmt::format(
             "no tag {} is in the picture, and the picture is dark: is the lamp on, is the lens free? Or raise the "

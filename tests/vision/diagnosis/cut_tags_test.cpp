@@ -1,8 +1,9 @@
-// Tags of which the border of a picture leaves a part, seen never before: which ones they are and where.
+// Tags of which the border of a picture or a cover leaves a part, seen never before: which ones they are and where.
 #include "vision/diagnosis/cut_tags.h"
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdint>
 #include <map>
 #include <utility>
@@ -110,6 +111,45 @@ TEST(CutTags, OfWhichTheSameIsLeftAreNotToldApart) {
       EXPECT_EQ(found.has_value(), shown_by.size() == 1) << "tag " << tag << ", turned " << quarters << " times";
   }
   EXPECT_GT(looks, 0);
+}
+
+TEST(CoveredTags, AreKnownByAHalfAndNoneIsTakenForAnother) {
+  const Calibration calibration = overhead_calibration(2.0, 1.5);
+  int known = 0;
+  for (unsigned seed = 0; seed < 2; ++seed) {
+    Random random(seed);
+    std::vector<SyntheticTag> tags;
+    std::vector<int> asked;
+    for (int i = 0; i < 12; ++i) {
+      tags.push_back({static_cast<int>(seed) * 12 + i,
+                      {0.4 * (i % 4) - 0.6, 0.4 * (i / 4) - 0.4, random.between(-3.1, 3.1)},
+                      calibration.tag_size});
+      asked.push_back(tags.back().tag);
+    }
+    for (int other = 0; other < 100; ++other) asked.push_back(largest_tag - other);  // which are not there
+    Frame frame;
+    SyntheticCamera(calibration, {.noise_sigma = 3.0}, seed).render(tags, 0.0, frame);
+    for (const SyntheticTag& tag : tags) {  // something grey over one half of each
+      const auto at = pixel_from_world(calibration, {tag.pose.x, tag.pose.y, calibration.tag_height});
+      const double edge = tag_edge_px(calibration), across = -tag.pose.theta + tag.tag % 4 * 0.5 * core::pi;
+      for (int v = 0; v < frame.height; ++v)
+        for (int u = 0; u < frame.width; ++u) {
+          const double du = u - at->x(), dv = v - at->y();
+          const bool beyond = du * std::cos(across) + dv * std::sin(across) > 0.03 * edge;
+          if (beyond && std::hypot(du, dv) < 1.2 * edge) frame.row(v)[u] = 90;
+        }
+    }
+    const auto poses = find_covered_tags(frame, calibration, asked);
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      if (!poses[i]) continue;
+      ASSERT_LT(i, tags.size()) << "tag " << asked[i] << " is not there";
+      const core::Pose& at = tags[i].pose;
+      EXPECT_LT(std::hypot(poses[i]->x - at.x, poses[i]->y - at.y), 0.003) << asked[i];
+      EXPECT_LT(std::abs(core::wrap_angle(poses[i]->theta - at.theta)), 0.1) << asked[i];
+      ++known;
+    }
+  }
+  EXPECT_GE(known, 22) << "of 24";
 }
 
 }  // namespace

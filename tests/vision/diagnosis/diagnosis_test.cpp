@@ -386,6 +386,54 @@ TEST(Diagnosis, ABlurredPicture) {
   EXPECT_TRUE(why_no_tag(lab.frame).starts_with("the picture is blurred")) << why_no_tag(lab.frame);
 }
 
+/// AprilTag finds no square where a part of the black one is hidden. Nobody has seen these tags before.
+TEST(Diagnosis, ATagOfWhichHalfIsCoveredIsThere) {
+  DiagnosisLab lab;
+  int covered = 0, asked = 0;
+  for (int id = 4; id < 10; ++id) {
+    const core::Pose at{0.1 * id - 0.6, 0.3 - 0.1 * id, 1.1 * id};
+    const double beside = at.theta + (id % 4) * 0.5 * core::pi;
+    lab.show({{id, at, 0.06}, {1, {0.7, 0.5, 1.0}, 0.06}}, {.noise_sigma = 2.0});
+    ASSERT_EQ(lab.diagnosis({3, {}}).why, NotSeen::not_found) << "the control: another tag is nowhere";
+    // An arm over the tag, with an edge that runs through its middle.
+    for (int v = 0; v < lab.frame.height; ++v)
+      for (int u = 0; u < lab.frame.width; ++u) {
+        const auto world = world_from_pixel(lab.calibration, {1.0 * u, 1.0 * v}, lab.calibration.tag_height);
+        const double x = world->x() - at.x, y = world->y() - at.y;
+        const double across = x * std::cos(beside) + y * std::sin(beside);
+        if (across > 0.002 && std::hypot(x, y) < 0.08) lab.frame.row(v)[u] = 90;
+      }
+    ASSERT_TRUE(TagTracker(lab.calibration, {.tags = {id}}).process(lab.frame).empty());
+    const TagDiagnosis found = lab.diagnosis({id, {}});
+    ++asked;
+    if (found.why != NotSeen::covered) continue;
+    ++covered;
+    EXPECT_EQ(sentence(found, lab.calibration),
+              fmt::format("tag {} is there, but part of it is covered or blurred", id));
+    EXPECT_LT((found.places.at(0) - Eigen::Vector2d(at.x, at.y)).norm(), 0.003);
+    EXPECT_EQ(lab.diagnosis({3, {}}).why, NotSeen::not_found) << "the control: another tag is nowhere";
+  }
+  EXPECT_GE(covered, asked - 1);
+}
+
+TEST(Diagnosis, ATagOfWhichHalfIsInGlareIsThere) {
+  DiagnosisLab lab;
+  for (const double theta : {0.4, 2.0, 4.0}) {
+    lab.show({{3, {0.3, -0.2, theta}, 0.06}, {1, {0.7, 0.5, 1.0}, 0.06}}, {.noise_sigma = 2.0});
+    for (int v = 0; v < lab.frame.height; ++v)
+      for (int u = 0; u < lab.frame.width; ++u) {
+        const auto world = world_from_pixel(lab.calibration, {1.0 * u, 1.0 * v}, lab.calibration.tag_height);
+        const double x = world->x() - 0.3, y = world->y() + 0.2;
+        const double across = x * std::cos(theta) + y * std::sin(theta);
+        if (across > 0.002 && std::hypot(x, y) < 0.08) lab.frame.row(v)[u] = 255;
+      }
+    ASSERT_FALSE(lab.tracked());
+    EXPECT_EQ(lab.said(),
+              "tag 3 is there, but the reflection of a lamp lies on a part of it: move the lamp, or print the tag on "
+              "matt paper");
+  }
+}
+
 TEST(Diagnosis, EmptyFloorHasNoTag) {
   DiagnosisLab lab;
   lab.show({});
