@@ -6,6 +6,7 @@
 
 #include "core/geometry/pose.h"
 #include "vision/calibration/calibration.h"
+#include "vision/detector/detector.h"
 #include "vision/frames/frame.h"
 
 namespace skein::vision::detail {
@@ -17,9 +18,10 @@ namespace skein::vision::detail {
 std::vector<std::optional<core::Pose>> find_cut_tags(const Frame& frame, const Calibration& calibration,
                                                      std::span<const int> tags);
 
-/// The same of tags anywhere in a frame of which something covers a part, or a lamp's reflection lies on it: the left,
-/// right, upper or lower half of a tag is enough. Takes about a second.
+/// The same of tags whose middle lies in a part of a frame, and of which something covers a part, or a lamp's
+/// reflection lies on it: the left, right, upper or lower half of a tag is enough. Takes one to three seconds for
+/// a whole frame.
 std::vector<std::optional<core::Pose>> find_covered_tags(const Frame& frame, const Calibration& calibration,
-                                                         std::span<const int> tags);
+                                                         std::span<const int> tags, const Window& part);
 
 }  // namespace skein::vision::detail

@@ -249,45 +249,62 @@ void look_at_border(const Frame& frame, const Calibration& calibration, std::vec
   }
 }
 
-/// Tags that are not found, because something covers a part of them, or a lamp's reflection or a shadow lies on it.
-void look_for_covered(const Frame& frame, const Calibration& calibration, const std::vector<Detection>& found,
-                      std::vector<TagDiagnosis>& answers) {
-  std::vector<TagDiagnosis*> asked;
+/// Says of a tag that is not found, but of which a part is at `pose`, what hides the rest.
+void look_at_covered(const Frame& frame, const Calibration& calibration, const std::vector<Detection>& found,
+                     const core::Pose& pose, TagDiagnosis& answer) {
+  const auto at = pixel_from_world(calibration, {pose.x, pose.y, calibration.tag_height});
+  const bool of_another = !at || std::any_of(found.begin(), found.end(), [&](const Detection& seen) {
+    return (middle_of(seen.corners) - *at).norm() < answer.edge_px;
+  });
+  if (of_another) return;
+  switch (detail::remains_of_tag(frame, calibration, {pose.x, pose.y}, answer.tag)) {
+    case detail::TagRemains::reflection:
+      answer.why = NotSeen::too_bright;
+      answer.partly = true;
+      break;
+    case detail::TagRemains::shadow:
+      answer.why = NotSeen::in_shadow;
+      answer.partly = true;
+      break;
+    case detail::TagRemains::none:
+    case detail::TagRemains::part:
+    case detail::TagRemains::whole:
+      answer.why = NotSeen::covered;
+      break;
+  }
+  answer.places = {{pose.x, pose.y}};
+  answer.pixels = {*at};
+  answer.size = calibration.tag_size;
+  answer.crops = {crop_around(*at, answer.edge_px)};
+}
+
+/// Tags that are not found, because something covers a part of them, or a lamp's reflection or a shadow lies on it: one
+/// that was seen is looked for near its place, the first few of the others everywhere.
+void look_for_covered(const Frame& frame, const Calibration& calibration, std::span<const MissingTag> missing,
+                      const std::vector<Detection>& found, std::vector<TagDiagnosis>& answers) {
+  constexpr std::size_t most_everywhere = 4;
+  constexpr double edges_around = 3.0;
+  std::vector<std::size_t> never_seen;
   std::vector<int> tags;
-  for (TagDiagnosis& answer : answers) {
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    TagDiagnosis& answer = answers[i];
     if (answer.why != NotSeen::not_found || answer.mark) continue;
-    asked.push_back(&answer);
-    tags.push_back(answer.tag);
-  }
-  const auto poses = detail::find_covered_tags(frame, calibration, tags);
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    if (!poses[i]) continue;
-    TagDiagnosis& answer = *asked[i];
-    const auto at = pixel_from_world(calibration, {poses[i]->x, poses[i]->y, calibration.tag_height});
-    const bool of_another = !at || std::any_of(found.begin(), found.end(), [&](const Detection& seen) {
-      return (middle_of(seen.corners) - *at).norm() < answer.edge_px;
-    });
-    if (of_another) continue;
-    switch (detail::remains_of_tag(frame, calibration, {poses[i]->x, poses[i]->y}, answer.tag)) {
-      case detail::TagRemains::reflection:
-        answer.why = NotSeen::too_bright;
-        answer.partly = true;
-        break;
-      case detail::TagRemains::shadow:
-        answer.why = NotSeen::in_shadow;
-        answer.partly = true;
-        break;
-      case detail::TagRemains::none:
-      case detail::TagRemains::part:
-      case detail::TagRemains::whole:
-        answer.why = NotSeen::covered;
-        break;
+    if (!missing[i].last) {
+      if (never_seen.size() == most_everywhere) continue;
+      never_seen.push_back(i);
+      tags.push_back(answer.tag);
+      continue;
     }
-    answer.places = {{poses[i]->x, poses[i]->y}};
-    answer.pixels = {*at};
-    answer.size = calibration.tag_size;
-    answer.crops = {crop_around(*at, answer.edge_px)};
+    const auto at = pixel_from_world(calibration, {missing[i].last->x, missing[i].last->y, calibration.tag_height});
+    if (!at) continue;
+    const int reach = static_cast<int>(edges_around * answer.edge_px);
+    const Window near{static_cast<int>(at->x()) - reach, static_cast<int>(at->y()) - reach, 2 * reach, 2 * reach};
+    const auto pose = detail::find_covered_tags(frame, calibration, std::array{answer.tag}, near).front();
+    if (pose) look_at_covered(frame, calibration, found, *pose, answer);
   }
+  const auto poses = detail::find_covered_tags(frame, calibration, tags, {0, 0, frame.width, frame.height});
+  for (std::size_t i = 0; i < poses.size(); ++i)
+    if (poses[i]) look_at_covered(frame, calibration, found, *poses[i], answers[never_seen[i]]);
 }
 
 struct Light {
@@ -488,7 +505,7 @@ std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibr
       look_for_remains(frame, planes[i], answer);
   }
   look_at_border(frame, calibration, answers);
-  look_for_covered(frame, calibration, found, answers);
+  look_for_covered(frame, calibration, missing, found, answers);
   // Tags of few pixels that are blurred beyond recognition leave few edges that show it: what they showed before does.
   constexpr double width = 2.5;  // of an edge, for each of the blur's standard deviations
   for (std::size_t i = 0; i < answers.size(); ++i) {

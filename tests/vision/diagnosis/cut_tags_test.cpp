@@ -139,7 +139,7 @@ TEST(CoveredTags, AreKnownByAHalfAndNoneIsTakenForAnother) {
           if (beyond && std::hypot(du, dv) < 1.2 * edge) frame.row(v)[u] = 90;
         }
     }
-    const auto poses = find_covered_tags(frame, calibration, asked);
+    const auto poses = find_covered_tags(frame, calibration, asked, {0, 0, frame.width, frame.height});
     for (std::size_t i = 0; i < poses.size(); ++i) {
       if (!poses[i]) continue;
       ASSERT_LT(i, tags.size()) << "tag " << asked[i] << " is not there";

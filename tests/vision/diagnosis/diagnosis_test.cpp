@@ -405,6 +405,8 @@ TEST(Diagnosis, ATagOfWhichHalfIsCoveredIsThere) {
       }
     ASSERT_TRUE(TagTracker(lab.calibration, {.tags = {id}}).process(lab.frame).empty());
     const TagDiagnosis found = lab.diagnosis({id, {}});
+    const core::Pose before{at.x - 0.06, at.y + 0.04, at.theta};
+    EXPECT_EQ(lab.diagnosis({id, before}).why, found.why) << "of a robot that was seen, it is looked for near there";
     ++asked;
     if (found.why != NotSeen::covered) continue;
     ++covered;
