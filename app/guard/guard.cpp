@@ -287,19 +287,13 @@ int guard(const std::string& marker, int descriptor) {
   auto run = RunMarker::read(marker);  // now: it must not depend on a disk later
 
   bool silent = false;
-  const auto listen = [&] {
-    pollfd socket{descriptor, POLLIN, 0};
-    ::poll(&socket, 1, look_every);
-    return watch.hear();
-  };
-  for (; heard != Watch::Run::gone; heard = listen()) {
-    if (heard == Watch::Run::well) return done;
+  const auto look = [&] {
     const std::int64_t now = comms::monotonic_ns();
     watch.beat(now);
     const double silence = watch.silence(now);
     if (silence == 0.0) {
       silent = false;
-      continue;
+      return;
     }
     const bool first = !std::exchange(silent, true);
     bool any = false;
@@ -311,6 +305,22 @@ int guard(const std::string& marker, int descriptor) {
       line.write_stop(now);
     }
     if (first && any) tell(fmt::format("the run has stalled for {:.2f} s: its robots are being stopped", silence));
+  };
+  for (bool gone = false; !gone;) {
+    switch (heard) {
+      case Watch::Run::lives: {
+        look();
+        pollfd socket{descriptor, POLLIN, 0};
+        ::poll(&socket, 1, look_every);
+        heard = watch.hear();
+        break;
+      }
+      case Watch::Run::well:
+        return done;
+      case Watch::Run::gone:
+        gone = true;
+        break;
+    }
   }
 
   // The run is gone. First the lines that it left open: nothing is quicker.
