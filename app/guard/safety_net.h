@@ -25,9 +25,10 @@ class SafetyNet {
     std::string name;                        ///< of the experiment
     std::vector<comms::LinkAddress> robots;  ///< real ones; none: only the stop socket
     std::string program{};                   ///< what to start as `program guard MARKER`; empty: this program itself
-    double guard_begins_within = 20.0;       ///< also on a very slow machine; it is replaced then [s]
+    double guard_begins_within = 20.0;       ///< or it is replaced; enough for a very slow machine [s]
   };
-  /// The error: the marker cannot be written, or the guard not started; the run can go on without.
+  /// Waits for the guard to begin, up to 1 s. The error: the marker cannot be written, or the guard not started; the
+  /// run can go on without.
   static tl::expected<SafetyNet, std::string> spread(const Run& run);
   SafetyNet();
   SafetyNet(SafetyNet&& other) noexcept;

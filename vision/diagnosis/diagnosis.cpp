@@ -249,64 +249,6 @@ void look_at_border(const Frame& frame, const Calibration& calibration, std::vec
   }
 }
 
-/// Says of a tag that is not found, but of which a part is at `pose`, what hides the rest.
-void look_at_covered(const Frame& frame, const Calibration& calibration, const std::vector<Detection>& found,
-                     const core::Pose& pose, TagDiagnosis& answer) {
-  const auto at = pixel_from_world(calibration, {pose.x, pose.y, calibration.tag_height});
-  const bool of_another = !at || std::any_of(found.begin(), found.end(), [&](const Detection& seen) {
-    return (middle_of(seen.corners) - *at).norm() < answer.edge_px;
-  });
-  if (of_another) return;
-  switch (detail::remains_of_tag(frame, calibration, {pose.x, pose.y}, answer.tag)) {
-    case detail::TagRemains::reflection:
-      answer.why = NotSeen::too_bright;
-      answer.partly = true;
-      break;
-    case detail::TagRemains::shadow:
-      answer.why = NotSeen::in_shadow;
-      answer.partly = true;
-      break;
-    case detail::TagRemains::none:
-    case detail::TagRemains::part:
-    case detail::TagRemains::whole:
-      answer.why = NotSeen::covered;
-      break;
-  }
-  answer.places = {{pose.x, pose.y}};
-  answer.pixels = {*at};
-  answer.size = calibration.tag_size;
-  answer.crops = {crop_around(*at, answer.edge_px)};
-}
-
-/// Tags that are not found, because something covers a part of them, or a lamp's reflection or a shadow lies on it: one
-/// that was seen is looked for near its place, the first few of the others everywhere.
-void look_for_covered(const Frame& frame, const Calibration& calibration, std::span<const MissingTag> missing,
-                      const std::vector<Detection>& found, std::vector<TagDiagnosis>& answers) {
-  constexpr std::size_t most_everywhere = 4;
-  constexpr double edges_around = 3.0;
-  std::vector<std::size_t> never_seen;
-  std::vector<int> tags;
-  for (std::size_t i = 0; i < answers.size(); ++i) {
-    TagDiagnosis& answer = answers[i];
-    if (answer.why != NotSeen::not_found || answer.mark) continue;
-    if (!missing[i].last) {
-      if (never_seen.size() == most_everywhere) continue;
-      never_seen.push_back(i);
-      tags.push_back(answer.tag);
-      continue;
-    }
-    const auto at = pixel_from_world(calibration, {missing[i].last->x, missing[i].last->y, calibration.tag_height});
-    if (!at) continue;
-    const int reach = static_cast<int>(edges_around * answer.edge_px);
-    const Window near{static_cast<int>(at->x()) - reach, static_cast<int>(at->y()) - reach, 2 * reach, 2 * reach};
-    const auto pose = detail::find_covered_tags(frame, calibration, std::array{answer.tag}, near).front();
-    if (pose) look_at_covered(frame, calibration, found, *pose, answer);
-  }
-  const auto poses = detail::find_covered_tags(frame, calibration, tags, {0, 0, frame.width, frame.height});
-  for (std::size_t i = 0; i < poses.size(); ++i)
-    if (poses[i]) look_at_covered(frame, calibration, found, *poses[i], answers[never_seen[i]]);
-}
-
 struct Light {
   double saturated = 0.0;  // share of the pixels
   int brightest = 0;       // 99 % of the pixels are darker or equal
@@ -380,27 +322,72 @@ bool too_soft(double edge_width, double edge_px) {
   return edge_width >= std::min(blurred_edge, std::max(soft_edge, of_a_module * edge_px));
 }
 
-/// What is left of a mark that nothing decodes as, nor lies in its place.
-void look_for_remains(const Frame& frame, const Calibration& plane, TagDiagnosis& mark) {
-  switch (detail::remains_of_tag(frame, plane, {mark.mark->x, mark.mark->y}, mark.tag)) {
+/// Says what hides a tag, at a place on the floor, that nothing decodes as.
+void look_for_remains(const Frame& frame, const Calibration& plane, const Eigen::Vector2d& place, TagDiagnosis& tag) {
+  switch (detail::remains_of_tag(frame, plane, place, tag.tag)) {
     case detail::TagRemains::none:
       break;
     case detail::TagRemains::part:
-      mark.why = NotSeen::covered;
+      tag.why = NotSeen::covered;
       break;
     case detail::TagRemains::reflection:
-      mark.why = NotSeen::too_bright;
-      mark.partly = true;
+      tag.why = NotSeen::too_bright;
+      tag.partly = true;
       break;
     case detail::TagRemains::shadow:
-      mark.why = NotSeen::in_shadow;
-      mark.partly = true;
+      tag.why = NotSeen::in_shadow;
+      tag.partly = true;
       break;
     case detail::TagRemains::whole:
-      mark.why = NotSeen::blurred;
-      mark.edge_width = usual_edge_width(frame).value_or(0.0);
+      tag.why = NotSeen::blurred;
+      tag.edge_width = usual_edge_width(frame).value_or(0.0);
       break;
   }
+}
+
+/// Says of a tag that is not found, but of which a part is at `pose`, what hides the rest.
+void look_at_covered(const Frame& frame, const Calibration& calibration, const std::vector<Detection>& found,
+                     const core::Pose& pose, TagDiagnosis& answer) {
+  const auto at = pixel_from_world(calibration, {pose.x, pose.y, calibration.tag_height});
+  const bool of_another = !at || std::any_of(found.begin(), found.end(), [&](const Detection& seen) {
+    return (middle_of(seen.corners) - *at).norm() < answer.edge_px;
+  });
+  if (of_another) return;
+  look_for_remains(frame, calibration, {pose.x, pose.y}, answer);
+  if (!answer.partly) answer.why = NotSeen::covered;  // AprilTag would have found a whole one
+  answer.places = {{pose.x, pose.y}};
+  answer.pixels = {*at};
+  answer.size = calibration.tag_size;
+  answer.crops = {crop_around(*at, answer.edge_px)};
+}
+
+/// Tags that are not found, because something covers a part of them, or a lamp's reflection or a shadow lies on it: one
+/// that was seen is looked for near its place, the first few of the others everywhere.
+void look_for_covered(const Frame& frame, const Calibration& calibration, std::span<const MissingTag> missing,
+                      const std::vector<Detection>& found, std::vector<TagDiagnosis>& answers) {
+  constexpr std::size_t most_everywhere = 4;
+  constexpr double edges_around = 3.0;
+  std::vector<std::size_t> never_seen;
+  std::vector<int> tags;
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    TagDiagnosis& answer = answers[i];
+    if (answer.why != NotSeen::not_found || answer.mark) continue;
+    if (!missing[i].last) {
+      if (never_seen.size() == most_everywhere) continue;
+      never_seen.push_back(i);
+      tags.push_back(answer.tag);
+      continue;
+    }
+    const auto at = pixel_from_world(calibration, {missing[i].last->x, missing[i].last->y, calibration.tag_height});
+    if (!at) continue;
+    const int reach = static_cast<int>(edges_around * answer.edge_px);
+    const Window near{static_cast<int>(at->x()) - reach, static_cast<int>(at->y()) - reach, 2 * reach, 2 * reach};
+    const auto pose = detail::find_covered_tags(frame, calibration, std::array{answer.tag}, near).front();
+    if (pose) look_at_covered(frame, calibration, found, *pose, answer);
+  }
+  const auto poses = detail::find_covered_tags(frame, calibration, tags, {0, 0, frame.width, frame.height});
+  for (std::size_t i = 0; i < poses.size(); ++i)
+    if (poses[i]) look_at_covered(frame, calibration, found, *poses[i], answers[never_seen[i]]);
 }
 
 bool any_not_found(const std::vector<TagDiagnosis>& answers) {
@@ -502,7 +489,7 @@ std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibr
     else if (last && near_border(frame, calibration, *last))
       answer.why = NotSeen::at_border;
     else if (answer.mark && calibration.world_from_camera)
-      look_for_remains(frame, planes[i], answer);
+      look_for_remains(frame, planes[i], {answer.mark->x, answer.mark->y}, answer);
   }
   look_at_border(frame, calibration, answers);
   look_for_covered(frame, calibration, missing, found, answers);

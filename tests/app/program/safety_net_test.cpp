@@ -79,6 +79,14 @@ class DyingProgram : public testing::Test {
     if (written) ::close(written->lock);
     return marker;
   }
+  /// A shell script that stands in for the program of a guard.
+  std::string script(const std::string& text) const {
+    const fs::path path = state_ / "script";
+    fs::create_directories(state_);
+    std::ofstream(path) << "#!/bin/sh\n" << text;
+    fs::permissions(path, fs::perms::owner_all);
+    return path;
+  }
   /// The guards of this test's runs.
   std::vector<pid_t> all_guards() const {
     std::vector<pid_t> all;
@@ -285,12 +293,9 @@ TEST_F(DyingProgram, AGuardThatDiesIsNoticedAndThereIsANewOne) {
 
 /// As on a disk that stalls.
 TEST_F(DyingProgram, AGuardThatDoesNotBeginIsReplaced) {
-  const fs::path stalls = state_ / "stalls";
-  fs::create_directories(state_);
-  std::ofstream(stalls) << "#!/bin/sh\nexec sleep 1000\n";
-  fs::permissions(stalls, fs::perms::owner_all);
+  const std::string stalls = script("exec sleep 1000\n");
   const std::vector<comms::LinkAddress> robots{comms::parse_link_address("serial:" + ptys.device(0)).value()};
-  auto net = SafetyNet::spread({"guarded", robots, stalls.string(), 2.0});
+  auto net = SafetyNet::spread({"guarded", robots, stalls, 2.0});
   ASSERT_TRUE(net) << net.error();
   fs::remove(stalls);
   fs::create_symlink(test::program(), stalls);
@@ -303,13 +308,11 @@ TEST_F(DyingProgram, AGuardThatDoesNotBeginIsReplaced) {
 
 /// Its process may be out of reach until then, as one that waits for a disk.
 TEST_F(DyingProgram, AGuardThatBeginsAfterItWasReplacedStopsNoRobot) {
-  const fs::path late = state_ / "late", here = state_ / "here";
-  fs::create_directories(state_);
-  std::ofstream(late) << fmt::format("#!/bin/sh\nexec 3<&0\nsh -c 'sleep 2.5; echo $$ > {}; exec {} guard <&3' &\n",
-                                     here.string(), test::program());
-  fs::permissions(late, fs::perms::owner_all);
+  const fs::path here = state_ / "here";
+  const std::string late = script(
+      fmt::format("exec 3<&0\nsh -c 'sleep 2.5; echo $$ > {}; exec {} guard <&3' &\n", here.string(), test::program()));
   const std::vector<comms::LinkAddress> robots{comms::parse_link_address("serial:" + ptys.device(0)).value()};
-  auto net = SafetyNet::spread({"guarded", robots, late.string(), 0.5});
+  auto net = SafetyNet::spread({"guarded", robots, late, 0.5});
   ASSERT_TRUE(net) << net.error();
   fs::remove(late);
   fs::create_symlink(test::program(), late);
@@ -329,12 +332,9 @@ TEST_F(DyingProgram, AGuardThatBeginsAfterItWasReplacedStopsNoRobot) {
 
 /// Before that, a kill of the run's process tree takes the guard with it.
 TEST_F(DyingProgram, NoLineIsOpenedBeforeTheGuardHasBegun) {
-  const fs::path late = state_ / "late";
-  fs::create_directories(state_);
-  std::ofstream(late) << fmt::format("#!/bin/sh\nsleep 0.3\nexec '{}' guard\n", test::program());
-  fs::permissions(late, fs::perms::owner_all);
+  const std::string late = script(fmt::format("sleep 0.3\nexec '{}' guard\n", test::program()));
   const std::vector<comms::LinkAddress> robots{comms::parse_link_address("serial:" + ptys.device(0)).value()};
-  auto net = SafetyNet::spread({"guarded", robots, late.string()});
+  auto net = SafetyNet::spread({"guarded", robots, late});
   ASSERT_TRUE(net) << net.error();
   EXPECT_GT(net->guard_process(), 0);
   net->done({{comms::to_text(robots[0]), true}});
