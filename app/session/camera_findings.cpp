@@ -274,7 +274,7 @@ std::optional<std::size_t> CameraFindings::whose_marks(const vision::Frame& fram
 }
 
 /// What is known of the marks that are missing, to be added to a sentence: "; mark 20 is not seen: ...". That search
-/// takes up to a second.
+/// takes up to some seconds.
 std::string CameraFindings::why_marks_are_missing(const vision::Frame& frame, bool may_search) {
   const std::vector<vision::MissingTag> missing = mark_watch_.missing();
   std::vector<int> ids;

@@ -79,14 +79,24 @@ constexpr bool is_bit(std::size_t cell) {
   return depth(cell) > 1;
 }
 
+struct Cell {
+  std::size_t k = 0;      // row by row
+  Eigen::Vector2d place;  // of its middle in the tag [modules]
+  bool border = false;    // the white one
+};
+
 /// The cells that all tags share, in an order in which the first few are spread over all sides, and the bits.
 struct Cells {
-  std::vector<std::size_t> shared, bits;
+  std::vector<Cell> shared, bits;
   explicit Cells(bool left_half) {
     constexpr std::size_t apart = 7;
     for (std::size_t first = 0; first < apart; ++first)
-      for (std::size_t k = first; k < cells; k += apart)
-        if (!left_half || k % side < side / 2) (is_bit(k) ? bits : shared).push_back(k);
+      for (std::size_t k = first; k < cells; k += apart) {
+        if (left_half && k % side >= side / 2) continue;
+        const Eigen::Vector2d place(static_cast<double>(k % side) - 0.5 * (side - 1),
+                                    0.5 * (side - 1) - static_cast<double>(k / side));
+        (is_bit(k) ? bits : shared).push_back({k, place, depth(k) == 0});
+      }
   }
 };
 
@@ -120,6 +130,24 @@ struct View {
   double middle = 0.0;  // between the cells that all tags have in paper and those that all have in ink [grey levels]
 };
 
+/// Grey levels of the cells that are ink in all tags, and of those that are paper in all.
+struct Contrast {
+  std::array<double, 2> sum{}, count{};  // of ink, of paper
+
+  /// Whether the cell is shown.
+  bool add(const Cell& cell, const std::optional<float>& grey) {
+    if (!grey) return false;
+    const std::size_t which = cell.border ? 1 : 0;
+    sum[which] += *grey;
+    count[which] += 1.0;
+    return true;
+  }
+  /// The paper is brighter by so much, or one of them is not shown.
+  bool reaches(double least) const { return sum[1] * count[0] - sum[0] * count[1] >= least * count[0] * count[1]; }
+  bool shows_both() const { return count[0] > 0.0 && count[1] > 0.0; }
+  double middle() const { return 0.5 * (sum[0] / count[0] + sum[1] / count[1]); }
+};
+
 class Viewer {
  public:
   /// `left_half`: only of the half that is on the left in the view; the other one is not looked at.
@@ -130,40 +158,25 @@ class Viewer {
 
   /// None: too little of a tag, or nothing that could be one.
   std::optional<View> view(const Spot& spot, double theta) const {
-    const Eigen::Matrix2d px_per_module = module_ * spot.px_per_metre * Eigen::Rotation2Dd(theta).toRotationMatrix();
-    View view;
-    const auto look = [&](std::size_t k) {
-      const std::size_t column = k % side, row = k / side;
-      const double x = static_cast<double>(column) - 0.5 * (side - 1);
-      const double y = 0.5 * (side - 1) - static_cast<double>(row);
-      const auto grey = means_.mean(spot.pixel + px_per_module * Eigen::Vector2d(x, y));
-      view.shown[k] = grey.has_value();
-      view.cut = view.cut || !grey;
-      if (grey) view.grey[k] = *grey;
+    return view(spot, Eigen::Rotation2Dd(theta).toRotationMatrix());
+  }
+  /// At the angle of a rotation matrix.
+  std::optional<View> view(const Spot& spot, const Eigen::Matrix2d& rotation) const {
+    const Eigen::Matrix2d px_per_module = module_ * spot.px_per_metre * rotation;
+    const auto grey_of = [&](const Cell& cell) { return means_.mean(spot.pixel + px_per_module * cell.place); };
+    // Of nearly all places a few cells show that no tag is there: more than those are not worth their time there.
+    constexpr std::size_t glance = 6, first_look = 16;  // cells
+    Contrast contrast;
+    std::size_t next = 0, seen = 0;
+    const auto look_at = [&](std::size_t enough) {
+      for (; next < cells_.shared.size() && seen < enough; ++next)
+        seen += contrast.add(cells_.shared[next], grey_of(cells_.shared[next])) ? 1 : 0;
     };
-    constexpr std::size_t glance = 6, first_look = 16;  // cells: of nearly all places, these show that no tag is there
-    std::array<double, 2> sum{}, count{};               // of ink, of paper
-    for (std::size_t seen = 0; const std::size_t k : cells_.shared) {
-      look(k);
-      if (!view.shown[k]) continue;
-      const std::size_t which = depth(k) == 0 ? 1 : 0;
-      sum[which] += view.grey[k];
-      count[which] += 1.0;
-      const double least = ++seen == glance ? 0.5 * least_contrast : least_contrast;
-      if ((seen == glance || seen == first_look) && sum[1] * count[0] - sum[0] * count[1] < least * count[0] * count[1])
-        return {};
-    }
-    if (count[0] == 0.0 || count[1] == 0.0) return {};
-    const double ink = sum[0] / count[0], paper = sum[1] / count[1];
-    if (paper - ink < least_contrast) return {};
-    view.middle = 0.5 * (paper + ink);
-    int bits = 0;
-    for (const std::size_t k : cells_.bits) {
-      look(k);
-      bits += view.shown[k] ? 1 : 0;
-    }
-    if (bits < least_bits) return {};
-    return view;
+    look_at(glance);
+    if (!contrast.reaches(0.5 * least_contrast)) return {};
+    look_at(first_look);
+    if (!contrast.reaches(least_contrast)) return {};
+    return whole_view(grey_of);
   }
 
   /// Around the middle of a tag of this edge [px] no two modules could be ink and paper.
@@ -181,6 +194,26 @@ class Viewer {
   }
 
  private:
+  template <typename GreyOf>
+  std::optional<View> whole_view(const GreyOf& grey_of) const {
+    View view;
+    const auto look = [&](const Cell& cell) {
+      const auto grey = grey_of(cell);
+      view.shown[cell.k] = grey.has_value();
+      view.cut = view.cut || !grey;
+      if (grey) view.grey[cell.k] = *grey;
+      return grey;
+    };
+    Contrast contrast;
+    for (const Cell& cell : cells_.shared) contrast.add(cell, look(cell));
+    if (!contrast.shows_both() || !contrast.reaches(least_contrast)) return {};
+    view.middle = contrast.middle();
+    int bits = 0;
+    for (const Cell& cell : cells_.bits) bits += look(cell) ? 1 : 0;
+    if (bits < least_bits) return {};
+    return view;
+  }
+
   SquareMeans means_;
   double module_;  // [m]
   Cells cells_;
@@ -252,6 +285,10 @@ std::vector<std::pair<std::size_t, Guess>> guesses_of(const Frame& frame, const 
   constexpr int angles = 12;                               // of a quarter: 7.5 degrees
   const int all_angles = covered ? 4 * angles : angles;    // the half that is left may be on any side
   const double outside = 0.2 * edge, inside = 0.9 * edge;  // the middle of a tag that is cut [px]
+  std::vector<Eigen::Matrix2d> rotations;
+  rotations.reserve(static_cast<std::size_t>(all_angles));
+  for (int angle = 0; angle < all_angles; ++angle)
+    rotations.push_back(Eigen::Rotation2Dd(quarter * angle / angles).toRotationMatrix());
   std::map<std::array<long, 3>, Guess> best;
   for (double v = part.top - outside; v < part.top + part.height + outside; v += step)
     for (double u = part.left - outside; u < part.left + part.width + outside; u += step) {
@@ -262,14 +299,13 @@ std::vector<std::pair<std::size_t, Guess>> guesses_of(const Frame& frame, const 
       if (covered && viewer.is_plain({u, v}, edge)) continue;
       const auto spot = spot_at(calibration, {u, v});
       for (int angle = 0; spot && angle < all_angles; ++angle) {
-        const double theta = quarter * angle / angles;
-        const auto view = viewer.view(*spot, theta);
+        const auto view = viewer.view(*spot, rotations[static_cast<std::size_t>(angle)]);
         for (std::size_t i = 0; view && i < tags.size(); ++i)
           for (std::size_t turn = 0; turn < 4; ++turn) {
             const double like = correlation(*view, tags[i][turn]);
             if (like < least_of_a_guess) continue;
             Guess& guess = best[{static_cast<long>(i), std::lround(2.0 * u / edge), std::lround(2.0 * v / edge)}];
-            if (like > guess.correlation) guess = {{u, v}, theta, turn, like};
+            if (like > guess.correlation) guess = {{u, v}, quarter * angle / angles, turn, like};
           }
       }
     }

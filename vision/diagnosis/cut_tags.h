@@ -19,8 +19,8 @@ std::vector<std::optional<core::Pose>> find_cut_tags(const Frame& frame, const C
                                                      std::span<const int> tags);
 
 /// The same of tags whose middle lies in a part of a frame, and of which something covers a part, or a lamp's
-/// reflection lies on it: the left, right, upper or lower half of a tag is enough. Takes one to three seconds for
-/// a whole frame.
+/// reflection lies on it: the left, right, upper or lower half of a tag is enough. Takes up to two seconds for a
+/// whole frame.
 std::vector<std::optional<core::Pose>> find_covered_tags(const Frame& frame, const Calibration& calibration,
                                                          std::span<const int> tags, const Window& part);
 

@@ -52,7 +52,7 @@ struct TagDiagnosis {
   bool partly = false;                       // of too_bright or in_shadow: only a part of the tag
 };
 
-/// Searches one frame with methods that are too slow for the tracker (0.1 to 1 s at 1280x960, up to 3 s for tags never
+/// Searches one frame with methods that are too slow for the tracker (0.1 to 1 s at 1280x960, up to 2 s for tags never
 /// seen), and says for each tag why the tracker reports none. Where a mark on the floor should be, the frame is judged
 /// by what it shows there. The calibration must hold for frames of this size and have a world frame; without one only
 /// marks may be asked about, and neither their places nor their sizes are judged. A mark of no size of its own is
