@@ -31,6 +31,7 @@ namespace fs = std::filesystem;
 
 /// A folder with a calibration for 60 mm tags and a film, as pictures, of one tag of 40 mm.
 struct Lab {
+  static constexpr int frames = 1500;  // 60 s: a busy machine takes long to search one
   const test::Folder own_folder;
   const fs::path folder = own_folder.path;
 
@@ -43,7 +44,7 @@ struct Lab {
     vision::SyntheticCamera(calibration)
         .render(std::vector<vision::SyntheticTag>{{1, {0.3, -0.2, 0.4}, 0.04}}, 0.0, frame);
     skein::test::write_pgm(folder / "film" / "0.pgm", frame);
-    for (int k = 1; k < 500; ++k)  // 20 s
+    for (int k = 1; k < frames; ++k)
       fs::create_hard_link(folder / "film" / "0.pgm", folder / "film" / (std::to_string(k) + ".pgm"));
   }
 
@@ -186,7 +187,7 @@ TEST(CameraRig, ARunThatSeesNobodySaysTheSizeThatWouldFit) {
 /// It said only that the stream was at its end.
 TEST(CameraRig, AFilmThatEndsBeforeAllAreSeenNamesThoseThatItDoesNotShow) {
   Lab lab;
-  for (int k = 20; k < 500; ++k) fs::remove(lab.folder / "film" / (std::to_string(k) + ".pgm"));
+  for (int k = 20; k < Lab::frames; ++k) fs::remove(lab.folder / "film" / (std::to_string(k) + ".pgm"));
   const Experiment experiment = lab.experiment("cal.toml", {"tags.size=0.04"});
   OpenRig opened(experiment, false);
   ASSERT_TRUE(opened.rig);
@@ -203,7 +204,7 @@ TEST(CameraRig, AFilmThatEndsBeforeAllAreSeenNamesThoseThatItDoesNotShow) {
 /// By a film of two seconds nobody waits the ten until a run asks for the reason.
 TEST(CameraRig, AFilmThatEndsBeforeItsTagsAreAcceptedSaysWhyTheyAreNot) {
   Lab lab;
-  for (int k = 20; k < 500; ++k) fs::remove(lab.folder / "film" / (std::to_string(k) + ".pgm"));
+  for (int k = 20; k < Lab::frames; ++k) fs::remove(lab.folder / "film" / (std::to_string(k) + ".pgm"));
   const Experiment experiment = lab.experiment("cal.toml");
   OpenRig opened(experiment, false);
   ASSERT_TRUE(opened.rig);
