@@ -188,10 +188,19 @@ void CameraFindings::expect_here(const vision::Frame& frame, std::span<const cor
 }
 
 void CameraFindings::explain(const Question& question) {
-  const vision::Frame& frame = question.frame;
-  const std::vector<vision::MissingTag>& missing = question.missing;
-  if (!size_fault(frame, calibration_).empty()) return;
-  const std::vector<UnseenTag> unseen = why_not_seen(frame, missing);
+  if (!size_fault(question.frame, calibration_).empty()) return;
+  std::vector<vision::TagDiagnosis> told;
+  const auto tell_news = [&](const std::vector<vision::TagDiagnosis>& tags) {
+    std::vector<UnseenTag> news;
+    for (std::size_t i = 0; i < tags.size(); ++i)
+      if (told.empty() || tags[i].why != told[i].why) news.push_back(unseen_tag(question.frame, tags[i]));
+    told = tags;
+    tell_why(question, news);
+  };
+  tell_news(vision::diagnose(question.frame, calibration_, question.missing, tell_news));
+}
+
+void CameraFindings::tell_why(const Question& question, const std::vector<UnseenTag>& unseen) {
   const std::lock_guard lock(mutex_);
   for (const UnseenTag& tag : unseen) {
     const std::size_t robot = robot_of(tag.tag);
@@ -200,7 +209,7 @@ void CameraFindings::explain(const Question& question) {
       tell_of_seen_elsewhere(tag);
       continue;
     }
-    const bool ever = std::any_of(missing.begin(), missing.end(),
+    const bool ever = std::any_of(question.missing.begin(), question.missing.end(),
                                   [&](const vision::MissingTag& one) { return one.tag == tag.tag && one.last; });
     if (!ever) continue;  // it is no news that it is not there
     found_.push(events::NotSeen{robot, tag.why});

@@ -83,6 +83,7 @@ class CameraFindings {
   void expect_here(const vision::Frame& frame, std::span<const core::Measurement> tags,
                    std::span<const vision::SeenElsewhere> elsewhere);
   void explain(const Question& question);
+  void tell_why(const Question& question, const std::vector<UnseenTag>& unseen);
   void tell_of_seen_elsewhere(const UnseenTag& tag);
   void look_at_marks(const vision::Frame& frame, bool may_search);
   void look_at_own_marks(const vision::Frame& frame, bool may_search);

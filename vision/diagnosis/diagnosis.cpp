@@ -353,6 +353,7 @@ void look_at_covered(const Frame& frame, const Calibration& calibration, const s
     return (middle_of(seen.corners) - *at).norm() < answer.edge_px;
   });
   if (of_another) return;
+  answer.edge_width = 0.0;
   look_for_remains(frame, calibration, {pose.x, pose.y}, answer);
   if (!answer.partly) answer.why = NotSeen::covered;  // AprilTag would have found a whole one
   answer.places = {{pose.x, pose.y}};
@@ -361,23 +362,14 @@ void look_at_covered(const Frame& frame, const Calibration& calibration, const s
   answer.crops = {crop_around(*at, answer.edge_px)};
 }
 
-/// Tags that are not found, because something covers a part of them, or a lamp's reflection or a shadow lies on it: one
-/// that was seen is looked for near its place, the first few of the others everywhere.
-void look_for_covered(const Frame& frame, const Calibration& calibration, std::span<const MissingTag> missing,
-                      const std::vector<Detection>& found, std::vector<TagDiagnosis>& answers) {
-  constexpr std::size_t most_everywhere = 4;
+/// Tags that are not found where they were last seen, because something covers a part of them, or a lamp's reflection
+/// or a shadow lies on it: they are looked for near that place.
+void look_near_last_places(const Frame& frame, const Calibration& calibration, std::span<const MissingTag> missing,
+                           const std::vector<Detection>& found, std::vector<TagDiagnosis>& answers) {
   constexpr double edges_around = 3.0;
-  std::vector<std::size_t> never_seen;
-  std::vector<int> tags;
   for (std::size_t i = 0; i < answers.size(); ++i) {
     TagDiagnosis& answer = answers[i];
-    if (answer.why != NotSeen::not_found || answer.mark) continue;
-    if (!missing[i].last) {
-      if (never_seen.size() == most_everywhere) continue;
-      never_seen.push_back(i);
-      tags.push_back(answer.tag);
-      continue;
-    }
+    if (answer.why != NotSeen::not_found || answer.mark || !missing[i].last) continue;
     const auto at = pixel_from_world(calibration, {missing[i].last->x, missing[i].last->y, calibration.tag_height});
     if (!at) continue;
     const int reach = static_cast<int>(edges_around * answer.edge_px);
@@ -385,9 +377,28 @@ void look_for_covered(const Frame& frame, const Calibration& calibration, std::s
     const auto pose = detail::find_covered_tags(frame, calibration, std::array{answer.tag}, near).front();
     if (pose) look_at_covered(frame, calibration, found, *pose, answer);
   }
+}
+
+/// The first few of the others that may be anywhere.
+std::vector<std::size_t> never_seen_of(std::span<const MissingTag> missing, const std::vector<TagDiagnosis>& answers) {
+  constexpr std::size_t most = 4;
+  std::vector<std::size_t> never_seen;
+  for (std::size_t i = 0; i < answers.size() && never_seen.size() < most; ++i) {
+    const bool may_be_there = answers[i].why == NotSeen::not_found || answers[i].why == NotSeen::blurred;
+    if (may_be_there && answers[i].places.empty() && !answers[i].mark && !missing[i].last) never_seen.push_back(i);
+  }
+  return never_seen;
+}
+
+/// They are looked for everywhere, which takes long.
+void look_everywhere(const Frame& frame, const Calibration& calibration, const std::vector<std::size_t>& never_seen,
+                     const std::vector<Detection>& found, std::vector<TagDiagnosis>& answers) {
+  std::vector<int> tags;
+  tags.reserve(never_seen.size());
+  for (const std::size_t i : never_seen) tags.push_back(answers[i].tag);
   const auto poses = detail::find_covered_tags(frame, calibration, tags, {0, 0, frame.width, frame.height});
-  for (std::size_t i = 0; i < poses.size(); ++i)
-    if (poses[i]) look_at_covered(frame, calibration, found, *poses[i], answers[never_seen[i]]);
+  for (std::size_t k = 0; k < poses.size(); ++k)
+    if (poses[k]) look_at_covered(frame, calibration, found, *poses[k], answers[never_seen[k]]);
 }
 
 bool any_not_found(const std::vector<TagDiagnosis>& answers) {
@@ -398,7 +409,7 @@ bool any_not_found(const std::vector<TagDiagnosis>& answers) {
 }  // namespace
 
 std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibration,
-                                   std::span<const MissingTag> missing) {
+                                   std::span<const MissingTag> missing, const DiagnosesSoFar& so_far) {
   std::vector<TagDiagnosis> answers;
   std::vector<Calibration> planes;
   for (const MissingTag& tag : missing) {
@@ -492,7 +503,7 @@ std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibr
       look_for_remains(frame, planes[i], {answer.mark->x, answer.mark->y}, answer);
   }
   look_at_border(frame, calibration, answers);
-  look_for_covered(frame, calibration, missing, found, answers);
+  look_near_last_places(frame, calibration, missing, found, answers);
   // Tags of few pixels that are blurred beyond recognition leave few edges that show it: what they showed before does.
   constexpr double width = 2.5;  // of an edge, for each of the blur's standard deviations
   for (std::size_t i = 0; i < answers.size(); ++i) {
@@ -509,6 +520,10 @@ std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibr
     answer.why = NotSeen::blurred;
     answer.edge_width = *edge_width;
   }
+  const std::vector<std::size_t> never_seen = never_seen_of(missing, answers);
+  if (never_seen.empty()) return answers;
+  if (so_far) so_far(answers);
+  look_everywhere(frame, calibration, never_seen, found, answers);
   return answers;
 }
 

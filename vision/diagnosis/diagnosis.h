@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -52,13 +53,16 @@ struct TagDiagnosis {
   bool partly = false;                       // of too_bright or in_shadow: only a part of the tag
 };
 
+/// Answers before the part that takes longest: tags that were never seen may be found there yet.
+using DiagnosesSoFar = std::function<void(const std::vector<TagDiagnosis>&)>;
+
 /// Searches one frame with methods that are too slow for the tracker (0.1 to 1 s at 1280x960, up to 2 s for tags never
 /// seen), and says for each tag why the tracker reports none. Where a mark on the floor should be, the frame is judged
 /// by what it shows there. The calibration must hold for frames of this size and have a world frame; without one only
 /// marks may be asked about, and neither their places nor their sizes are judged. A mark of no size of its own is
-/// expected to be of tag_size.
+/// expected to be of tag_size. `so_far` is called at most once.
 std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibration,
-                                   std::span<const MissingTag> missing);
+                                   std::span<const MissingTag> missing, const DiagnosesSoFar& so_far = {});
 
 /// Its crops side by side, as the frame shows them; width 0: it has none.
 Frame picture_of(const Frame& frame, const TagDiagnosis& diagnosis);

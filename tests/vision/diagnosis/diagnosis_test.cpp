@@ -436,6 +436,31 @@ TEST(Diagnosis, ATagOfWhichHalfIsInGlareIsThere) {
   }
 }
 
+/// Of tags that were never seen, the search takes longest: nobody waits with them for what is known at once.
+TEST(Diagnosis, WhatIsKnownAtOnceIsGivenBeforeTagsAreLookedForEverywhere) {
+  DiagnosisLab lab;
+  const core::Pose at{0.3, -0.2, 0.4};
+  lab.show({{3, at, 0.04}, {5, {-0.3, 0.2, 0.0}, 0.06}, {1, {0.7, 0.5, 1.0}, 0.06}}, {.noise_sigma = 2.0});
+  for (int v = 0; v < lab.frame.height; ++v)
+    for (int u = 0; u < lab.frame.width; ++u) {
+      const auto world = world_from_pixel(lab.calibration, {1.0 * u, 1.0 * v}, lab.calibration.tag_height);
+      if (world->x() > -0.298 && std::hypot(world->x() + 0.3, world->y() - 0.2) < 0.08) lab.frame.row(v)[u] = 90;
+    }
+  std::vector<std::vector<NotSeen>> given;
+  const auto why = [](const std::vector<TagDiagnosis>& tags) {
+    std::vector<NotSeen> all;
+    for (const TagDiagnosis& tag : tags) all.push_back(tag.why);
+    return all;
+  };
+  const auto so_far = [&](const std::vector<TagDiagnosis>& tags) { given.push_back(why(tags)); };
+  const auto all = diagnose(lab.frame, lab.calibration, std::array<MissingTag, 2>{{{3}, {5}}}, so_far);
+  EXPECT_EQ(why(all), (std::vector{NotSeen::wrong_size, NotSeen::covered}));
+  EXPECT_EQ(given, (std::vector<std::vector<NotSeen>>{{NotSeen::wrong_size, NotSeen::not_found}})) << "once";
+  given.clear();
+  diagnose(lab.frame, lab.calibration, std::array<MissingTag, 1>{{{3}}}, so_far);
+  EXPECT_TRUE(given.empty()) << "the control: nothing is looked for everywhere";
+}
+
 TEST(Diagnosis, EmptyFloorHasNoTag) {
   DiagnosisLab lab;
   lab.show({});
