@@ -73,7 +73,7 @@ void CameraFindings::thread(const std::stop_token& stop) {
     question.reset();
   };
   while (asked_.wait(lock, stop, [this] { return absence_ || floor_; })) {
-    work_on(absence_, "the reason why a tag is not seen", [this](const Question& question) { explain(question); });
+    work_on(absence_, "the reason why a tag is not seen", [&](const Question& question) { explain(question, stop); });
     work_on(floor_, "whether the camera has moved", [this](const vision::Frame& frame) { look_at_marks(frame, true); });
   }
 }
@@ -187,7 +187,7 @@ void CameraFindings::expect_here(const vision::Frame& frame, std::span<const cor
   }
 }
 
-void CameraFindings::explain(const Question& question) {
+void CameraFindings::explain(const Question& question, const std::stop_token& stop) {
   if (!size_fault(question.frame, calibration_).empty()) return;
   std::vector<vision::TagDiagnosis> told;
   const auto tell_news = [&](const std::vector<vision::TagDiagnosis>& tags) {
@@ -197,7 +197,7 @@ void CameraFindings::explain(const Question& question) {
     told = tags;
     tell_why(question, news);
   };
-  tell_news(vision::diagnose(question.frame, calibration_, question.missing, tell_news));
+  tell_news(vision::diagnose(question.frame, calibration_, question.missing, tell_news, stop));
 }
 
 void CameraFindings::tell_why(const Question& question, const std::vector<UnseenTag>& unseen) {

@@ -82,7 +82,7 @@ class CameraFindings {
   UnseenTag unseen_tag(const vision::Frame& frame, const vision::TagDiagnosis& tag) const;
   void expect_here(const vision::Frame& frame, std::span<const core::Measurement> tags,
                    std::span<const vision::SeenElsewhere> elsewhere);
-  void explain(const Question& question);
+  void explain(const Question& question, const std::stop_token& stop = {});
   void tell_why(const Question& question, const std::vector<UnseenTag>& unseen);
   void tell_of_seen_elsewhere(const UnseenTag& tag);
   void look_at_marks(const vision::Frame& frame, bool may_search);

@@ -280,8 +280,8 @@ Turns turns_of(const TagPattern& tag) {
 /// something else: the best place in each square of half an edge, with the tag's index.
 std::vector<std::pair<std::size_t, Guess>> guesses_of(const Frame& frame, const Calibration& calibration,
                                                       const Viewer& viewer, double step, double edge,
-                                                      const std::vector<Turns>& tags, bool covered,
-                                                      const Window& part) {
+                                                      const std::vector<Turns>& tags, bool covered, const Window& part,
+                                                      const std::stop_token& stop) {
   constexpr int angles = 12;                               // of a quarter: 7.5 degrees
   const int all_angles = covered ? 4 * angles : angles;    // the half that is left may be on any side
   const double outside = 0.2 * edge, inside = 0.9 * edge;  // the middle of a tag that is cut [px]
@@ -290,7 +290,7 @@ std::vector<std::pair<std::size_t, Guess>> guesses_of(const Frame& frame, const 
   for (int angle = 0; angle < all_angles; ++angle)
     rotations.push_back(Eigen::Rotation2Dd(quarter * angle / angles).toRotationMatrix());
   std::map<std::array<long, 3>, Guess> best;
-  for (double v = part.top - outside; v < part.top + part.height + outside; v += step)
+  for (double v = part.top - outside; v < part.top + part.height + outside && !stop.stop_requested(); v += step)
     for (double u = part.left - outside; u < part.left + part.width + outside; u += step) {
       if (!covered && std::min({u, v, frame.width - 1.0 - u, frame.height - 1.0 - v}) > inside) {
         u = std::max(u, frame.width - 1.0 - inside - step);  // on to the other side
@@ -339,7 +339,8 @@ void improve(Guess& guess, const Calibration& calibration, const Viewer& viewer,
 }
 
 std::vector<std::optional<core::Pose>> find(const Frame& frame, const Calibration& calibration,
-                                            std::span<const int> tags, bool covered, const Window& part) {
+                                            std::span<const int> tags, bool covered, const Window& part,
+                                            const std::stop_token& stop) {
   std::vector<std::optional<core::Pose>> found(tags.size());
   const double edge = tag_edge_px(calibration), step = std::max(1.0, edge / (2.0 * modules));  // half a module
   if (tags.empty() || edge < modules) return found;
@@ -348,7 +349,8 @@ std::vector<std::optional<core::Pose>> find(const Frame& frame, const Calibratio
   for (const int tag : tags) wanted.push_back(turns_of(all.at(static_cast<std::size_t>(tag))));
   const Viewer viewer(frame, calibration, covered);
   std::vector<double> best(tags.size(), covered ? least_of_a_half : least_correlation);
-  for (auto& [i, guess] : guesses_of(frame, calibration, viewer, step, edge, wanted, covered, part)) {
+  for (auto& [i, guess] : guesses_of(frame, calibration, viewer, step, edge, wanted, covered, part, stop)) {
+    if (stop.stop_requested()) break;
     const TagPattern& tag = wanted[i][guess.turn];
     improve(guess, calibration, viewer, step, tag);
     const auto spot = spot_at(calibration, guess.pixel);
@@ -365,12 +367,13 @@ std::vector<std::optional<core::Pose>> find(const Frame& frame, const Calibratio
 
 std::vector<std::optional<core::Pose>> find_cut_tags(const Frame& frame, const Calibration& calibration,
                                                      std::span<const int> tags) {
-  return find(frame, calibration, tags, false, {0, 0, frame.width, frame.height});
+  return find(frame, calibration, tags, false, {0, 0, frame.width, frame.height}, {});
 }
 
 std::vector<std::optional<core::Pose>> find_covered_tags(const Frame& frame, const Calibration& calibration,
-                                                         std::span<const int> tags, const Window& part) {
-  return find(frame, calibration, tags, true, part);
+                                                         std::span<const int> tags, const Window& part,
+                                                         const std::stop_token& stop) {
+  return find(frame, calibration, tags, true, part, stop);
 }
 
 }  // namespace skein::vision::detail

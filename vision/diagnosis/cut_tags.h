@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 #include "core/geometry/pose.h"
@@ -20,8 +21,9 @@ std::vector<std::optional<core::Pose>> find_cut_tags(const Frame& frame, const C
 
 /// The same of tags whose middle lies in a part of a frame, and of which something covers a part, or a lamp's
 /// reflection lies on it: the left, right, upper or lower half of a tag is enough. Takes up to two seconds for a
-/// whole frame.
+/// whole frame; at a stop it ends at once, and some are not found.
 std::vector<std::optional<core::Pose>> find_covered_tags(const Frame& frame, const Calibration& calibration,
-                                                         std::span<const int> tags, const Window& part);
+                                                         std::span<const int> tags, const Window& part,
+                                                         const std::stop_token& stop = {});
 
 }  // namespace skein::vision::detail

@@ -392,11 +392,12 @@ std::vector<std::size_t> never_seen_of(std::span<const MissingTag> missing, cons
 
 /// They are looked for everywhere, which takes long.
 void look_everywhere(const Frame& frame, const Calibration& calibration, const std::vector<std::size_t>& never_seen,
-                     const std::vector<Detection>& found, std::vector<TagDiagnosis>& answers) {
+                     const std::vector<Detection>& found, const std::stop_token& stop,
+                     std::vector<TagDiagnosis>& answers) {
   std::vector<int> tags;
   tags.reserve(never_seen.size());
   for (const std::size_t i : never_seen) tags.push_back(answers[i].tag);
-  const auto poses = detail::find_covered_tags(frame, calibration, tags, {0, 0, frame.width, frame.height});
+  const auto poses = detail::find_covered_tags(frame, calibration, tags, {0, 0, frame.width, frame.height}, stop);
   for (std::size_t k = 0; k < poses.size(); ++k)
     if (poses[k]) look_at_covered(frame, calibration, found, *poses[k], answers[never_seen[k]]);
 }
@@ -409,7 +410,8 @@ bool any_not_found(const std::vector<TagDiagnosis>& answers) {
 }  // namespace
 
 std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibration,
-                                   std::span<const MissingTag> missing, const DiagnosesSoFar& so_far) {
+                                   std::span<const MissingTag> missing, const DiagnosesSoFar& so_far,
+                                   const std::stop_token& stop) {
   std::vector<TagDiagnosis> answers;
   std::vector<Calibration> planes;
   for (const MissingTag& tag : missing) {
@@ -523,7 +525,7 @@ std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibr
   const std::vector<std::size_t> never_seen = never_seen_of(missing, answers);
   if (never_seen.empty()) return answers;
   if (so_far) so_far(answers);
-  look_everywhere(frame, calibration, never_seen, found, answers);
+  look_everywhere(frame, calibration, never_seen, found, stop, answers);
   return answers;
 }
 

@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -60,9 +61,11 @@ using DiagnosesSoFar = std::function<void(const std::vector<TagDiagnosis>&)>;
 /// seen), and says for each tag why the tracker reports none. Where a mark on the floor should be, the frame is judged
 /// by what it shows there. The calibration must hold for frames of this size and have a world frame; without one only
 /// marks may be asked about, and neither their places nor their sizes are judged. A mark of no size of its own is
-/// expected to be of tag_size. `so_far` is called at most once.
+/// expected to be of tag_size. `so_far` is called at most once. At a stop
+/// tags that were never seen are looked for no longer.
 std::vector<TagDiagnosis> diagnose(const Frame& frame, const Calibration& calibration,
-                                   std::span<const MissingTag> missing, const DiagnosesSoFar& so_far = {});
+                                   std::span<const MissingTag> missing, const DiagnosesSoFar& so_far = {},
+                                   const std::stop_token& stop = {});
 
 /// Its crops side by side, as the frame shows them; width 0: it has none.
 Frame picture_of(const Frame& frame, const TagDiagnosis& diagnosis);

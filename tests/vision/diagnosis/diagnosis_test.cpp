@@ -456,6 +456,11 @@ TEST(Diagnosis, WhatIsKnownAtOnceIsGivenBeforeTagsAreLookedForEverywhere) {
   const auto all = diagnose(lab.frame, lab.calibration, std::array<MissingTag, 2>{{{3}, {5}}}, so_far);
   EXPECT_EQ(why(all), (std::vector{NotSeen::wrong_size, NotSeen::covered}));
   EXPECT_EQ(given, (std::vector<std::vector<NotSeen>>{{NotSeen::wrong_size, NotSeen::not_found}})) << "once";
+  std::stop_source ended;
+  ended.request_stop();
+  EXPECT_EQ(why(diagnose(lab.frame, lab.calibration, std::array<MissingTag, 2>{{{3}, {5}}}, {}, ended.get_token())),
+            given[0])
+      << "the end of a run does not wait for it";
   given.clear();
   diagnose(lab.frame, lab.calibration, std::array<MissingTag, 1>{{{3}}}, so_far);
   EXPECT_TRUE(given.empty()) << "the control: nothing is looked for everywhere";
