@@ -72,14 +72,14 @@ Check settings(const Experiment& e, const CameraStatus& camera) {
           false};
 }
 
-Check tags(const Experiment& e, const TickRecord* record, std::span<const UnseenTag> why_lost, bool camera_down) {
+Check tags(const Experiment& e, const TickRecord* record, std::span<const UnseenTag> why_lost, bool all_cameras_down) {
   if (!record) return {What::tags, State::waits, "no poses yet", true};
   std::vector<std::size_t> unseen;
   for (std::size_t i = 0; i < record->robots.size(); ++i)
     if (record->robots[i].is(lost)) unseen.push_back(i);
   if (unseen.empty())
     return {What::tags, State::holds, fmt::format("all {} robots have a fresh pose", e.robots.size()), true};
-  // Reasons that are known, each once; the others in one breath.
+  // Reasons that are known, each once; then the robots whose tags nobody has looked for yet.
   struct Reason {
     std::string of_any_tag;  // to compare
     std::size_t first;
@@ -104,16 +104,23 @@ Check tags(const Experiment& e, const TickRecord* record, std::span<const Unseen
     reasons += fmt::format("{}{}: {}", reasons.empty() ? "" : "; ", numbers({one.first}), why_lost[one.first].sentence);
     if (!one.others.empty()) reasons += fmt::format("; {}: likewise", numbers(one.others));
   }
-  std::vector<int> ids;
-  ids.reserve(unseen.size());
-  for (const std::size_t i : unseen) ids.push_back(e.robots[i].tag);
-  if (!ids.empty() && camera_down && e.cameras() == 1)
-    reasons += fmt::format("{}{}: the camera delivers no picture that can be used", reasons.empty() ? "" : "; ",
-                           numbers(unseen));
-  else if (!ids.empty())
-    reasons += fmt::format("{}{}: no tag {} in the picture", reasons.empty() ? "" : "; ", numbers(unseen),
-                           fmt::join(ids, ", "));
-  return {What::tags, State::fails, reasons, true};
+  bool looking = false;
+  if (!unseen.empty()) {
+    std::vector<int> ids;
+    ids.reserve(unseen.size());
+    for (const std::size_t i : unseen) ids.push_back(e.robots[i].tag);
+    const bool one = ids.size() == 1;
+    const std::string of_tags = fmt::format("tag{} {}", one ? "" : "s", fmt::join(ids, ", "));
+    reasons += fmt::format("{}{}: ", reasons.empty() ? "" : "; ", numbers(unseen));
+    if (e.camera.kind() == CameraKind::absent)
+      reasons += "the simulation gives no pose of " + of_tags;
+    else if (all_cameras_down)
+      reasons += fmt::format("{} picture that can be used",
+                             e.cameras() == 1 ? "the camera delivers no" : "no camera delivers a");
+    else
+      looking = true, reasons += fmt::format("{} {} being looked for", of_tags, one ? "is" : "are");
+  }
+  return {What::tags, looking && known.empty() ? State::waits : State::fails, reasons, true};
 }
 
 Check links(const Experiment& e, std::span<const RobotStatus> robots) {
@@ -218,7 +225,7 @@ std::vector<Check> readiness(const Experiment& experiment, const Certificate* ce
                              std::span<const RobotStatus> robots, const CameraStatus& cameras) {
   return {camera(experiment, cameras),
           settings(experiment, cameras),
-          tags(experiment, record, cameras.why_lost, !cameras.down.empty()),
+          tags(experiment, record, cameras.why_lost, !cameras.down.empty() && !cameras.partly),
           links(experiment, robots),
           batteries(robots),
           gains(certificate),

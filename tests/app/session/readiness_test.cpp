@@ -156,21 +156,46 @@ TEST_F(Readiness, ARobotThatTheFilePlacesElsewhereIsInPlaceThereUnlessItDrivesTo
 }
 
 TEST_F(Readiness, WhatIsKnownOfATagThatIsNotAcceptedIsTheReason) {
+  experiment.camera.source = "synthetic";
   measurements[1] = {};
   measurements[2] = {};
   const CameraStatus camera{.why_lost = {{}, {}, {.sentence = "tag 3 is there, but its edge is 40 mm"}, {}}};
   const auto tags = [&](const CameraStatus& known) {
     return readiness(experiment, &certificate, &look(), robots, known)[static_cast<std::size_t>(Check::What::tags)];
   };
-  EXPECT_EQ(tags(camera).reason, "robot 3: tag 3 is there, but its edge is 40 mm; robot 2: no tag 2 in the picture");
-  EXPECT_EQ(tags({}).reason, "robots 2, 3: no tag 2, 3 in the picture") << "the control: nobody has looked yet";
+  EXPECT_EQ(tags(camera).reason, "robot 3: tag 3 is there, but its edge is 40 mm; robot 2: tag 2 is being looked for");
+  EXPECT_EQ(tags(camera).state, Check::State::fails) << "one reason is known";
   const CameraStatus both{.why_lost = {{},
                                        {.sentence = "tag 2 is there, but its edge is 40 mm"},
                                        {.sentence = "tag 3 is there, but its edge is 40 mm"},
                                        {}}};
   EXPECT_EQ(tags(both).reason, "robot 2: tag 2 is there, but its edge is 40 mm; robot 3: likewise") << "once for all";
+}
+
+/// Nobody may say of a picture that a tag is not in it before it was searched.
+TEST_F(Readiness, ATagThatNobodyHasLookedForYetIsBeingLookedForWhereACameraCanFindIt) {
+  measurements[1] = {};
+  measurements[2] = {};
+  look();
+  const auto tags = [&](const CameraStatus& known) {
+    return readiness(experiment, &certificate, &record, robots, known)[static_cast<std::size_t>(Check::What::tags)];
+  };
   experiment.camera.source = "synthetic";
+  EXPECT_EQ(tags({}).reason, "robots 2, 3: tags 2, 3 are being looked for");
+  EXPECT_EQ(tags({}).state, Check::State::waits);
+  const CameraStatus looked{
+      .why_lost = {{}, {.sentence = "no tag 2 is in the picture"}, {.sentence = "no tag 3 is in the picture"}, {}}};
+  EXPECT_EQ(tags(looked).reason, "robot 2: no tag 2 is in the picture; robot 3: likewise") << "the control";
+  EXPECT_EQ(tags(looked).state, Check::State::fails);
   EXPECT_EQ(tags({.down = "it is frozen"}).reason, "robots 2, 3: the camera delivers no picture that can be used");
+  EXPECT_EQ(tags({.down = "it is frozen"}).state, Check::State::fails);
+  experiment.camera.also.resize(1);
+  EXPECT_EQ(tags({.down = "they are frozen"}).reason, "robots 2, 3: no camera delivers a picture that can be used");
+  EXPECT_EQ(tags({.down = "camera 2 is frozen", .partly = true}).reason, "robots 2, 3: tags 2, 3 are being looked for");
+  experiment.camera.also.clear();
+  experiment.camera.source = "none";
+  EXPECT_EQ(tags({}).reason, "robots 2, 3: the simulation gives no pose of tags 2, 3") << "nobody will look";
+  EXPECT_EQ(tags({}).state, Check::State::fails);
 }
 
 TEST(FittingTagSize, IsThatOfAllTagsThatAreThereWhereNoRobotIsSeen) {
