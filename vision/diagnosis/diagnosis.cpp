@@ -588,7 +588,7 @@ std::string why_no_tag(const Frame& frame) {
   }
   if (ids.empty()) {
     const auto blur = blur_of(frame);
-    return blur ? blur_sentence(*blur) : std::string();
+    return blur ? blur_sentence(std::array{*blur}) : std::string();
   }
   return fmt::format("no tag is of the family 36h11, but {} look{} like {} ({}): print {} anew in 36h11", ids.size(),
                      ids.size() == 1 ? "s" : "", family, fmt::join(ids, ", "), ids.size() == 1 ? "it" : "them");

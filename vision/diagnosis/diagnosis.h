@@ -84,4 +84,14 @@ std::string sentence(const TagDiagnosis& diagnosis, const Calibration& calibrati
 /// ...").
 std::vector<std::string> mark_sentences(std::span<const TagDiagnosis> marks, const Calibration& calibration);
 
+/// Tags, no marks, that are not found since a frame is soft (NotSeen::blurred).
+struct SoftPicture {
+  std::string name{};  // of its file; empty: it has none
+  std::vector<TagDiagnosis> tags{};
+};
+
+/// Pictures that lack the same tags share a sentence: "a.png, b.png: none of tags 1, 2 is found, and the pictures are
+/// blurred (their edges are 4.1 to 5.0 px wide, ..."; of more than 3: "12 pictures from a.png to l.png: ...".
+std::vector<std::string> soft_sentences(std::span<const SoftPicture> pictures);
+
 }  // namespace skein::vision

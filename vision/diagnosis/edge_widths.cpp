@@ -41,11 +41,17 @@ void edge_widths(const Frame& frame, const Window& part, double noise, std::vect
     along(frame.row(top) + u, frame.width, 1, bottom - top);
 }
 
-std::string blur_sentence(double edge_width) {
+std::string range_of(std::span<const double> edge_widths) {
+  const auto [least, most] = std::minmax_element(edge_widths.begin(), edge_widths.end());
+  std::string from = fmt::format("{:.1f}", *least), to = fmt::format("{:.1f}", *most);
+  return from == to ? from : from + " to " + to;
+}
+
+std::string blur_sentence(std::span<const double> edge_widths) {
   return fmt::format(
-      "the picture is blurred (its edges are {:.1f} px wide, those of a sharp one 2 to 3): turn the lens's focus, or "
+      "{} picture is blurred (its edges are {} px wide, those of a sharp one 2 to 3): turn the lens's focus, or "
       "shorten the exposure",
-      edge_width);
+      edge_widths.size() == 1 ? "the" : "each", range_of(edge_widths));
 }
 
 }  // namespace skein::vision::detail

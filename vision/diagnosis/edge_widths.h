@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,7 +14,9 @@ namespace skein::vision::detail {
 /// levels]. Appends to `widths` [px].
 void edge_widths(const Frame& frame, const Window& part, double noise, std::vector<double>& widths);
 
-/// What to do about edges of this width [px]; without a full stop.
-std::string blur_sentence(double edge_width);
+/// What people read of such widths, one of each frame: "4.1", of several frames "4.1 to 5.0".
+std::string range_of(std::span<const double> edge_widths);
+/// What to do about edges of these widths [px], one of each frame; without a full stop.
+std::string blur_sentence(std::span<const double> edge_widths);
 
 }  // namespace skein::vision::detail

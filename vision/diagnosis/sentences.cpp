@@ -19,6 +19,7 @@ namespace {
 using detail::blur_sentence;
 using detail::blurred_edge;
 using detail::least_contrast;
+using detail::range_of;
 
 std::string millimetres(double metres) {
   return fmt::format("{:.3g} mm", 1e3 * metres);
@@ -94,7 +95,7 @@ std::string reason_of_mark(const TagDiagnosis& d, const Calibration& calibration
           "light on it",
           at, d.contrast, least_contrast);
     case NotSeen::blurred:
-      if (d.edge_width >= blurred_edge) return blur_sentence(d.edge_width);
+      if (d.edge_width >= blurred_edge) return blur_sentence(std::array{d.edge_width});
       if (!d.mark_at)
         return fmt::format(
             "no such tag can be read, and the picture is soft (its edges are {:.1f} px wide): turn the lens's focus, "
@@ -136,6 +137,48 @@ std::vector<std::string> mark_sentences(std::span<const TagDiagnosis> marks, con
   for (const auto& [reason, ids] : reasons)
     sentences.push_back(fmt::format("mark{} {} {} not seen: {}", ids.size() == 1 ? "" : "s", fmt::join(ids, ", "),
                                     ids.size() == 1 ? "is" : "are", reason));
+  return sentences;
+}
+
+std::vector<std::string> soft_sentences(std::span<const SoftPicture> pictures) {
+  struct Group {
+    std::vector<int> tags;
+    bool blurred;  // for any tag, not only for such small ones
+    double edge_px;
+    std::vector<std::string> names;
+    std::vector<double> edge_widths;
+  };
+  std::vector<Group> groups;
+  for (const SoftPicture& picture : pictures) {
+    if (picture.tags.empty()) continue;
+    const TagDiagnosis& first = picture.tags.front();  // the width is the picture's
+    std::vector<int> ids;
+    ids.reserve(picture.tags.size());
+    for (const TagDiagnosis& tag : picture.tags) ids.push_back(tag.tag);
+    const bool blurred = first.edge_width >= blurred_edge;
+    auto group = std::find_if(groups.begin(), groups.end(),
+                              [&](const Group& g) { return g.blurred == blurred && g.tags == ids; });
+    if (group == groups.end()) group = groups.insert(group, {std::move(ids), blurred, first.edge_px, {}, {}});
+    group->names.push_back(picture.name);
+    group->edge_widths.push_back(first.edge_width);
+  }
+  std::vector<std::string> sentences;
+  sentences.reserve(groups.size());
+  for (const Group& g : groups) {
+    constexpr std::size_t few = 3;  // are named one by one
+    const std::string in = g.names.front().empty() ? std::string()
+                           : g.names.size() <= few ? fmt::format("{}: ", fmt::join(g.names, ", "))
+                                                   : fmt::format("{} pictures from {} to {}: ", g.names.size(),
+                                                                 g.names.front(), g.names.back());
+    const bool one = g.tags.size() == 1;
+    const std::string none = fmt::format("{} {}", one ? "no tag" : "none of tags", fmt::join(g.tags, ", "));
+    sentences.push_back(
+        g.blurred ? fmt::format("{}{} is found, and {}", in, none, blur_sentence(g.edge_widths))
+                  : fmt::format("{}{} can be read, and {} picture is soft: its edges are {} px wide, the squares of "
+                                "such a tag {:.1f} px; if {} there, turn the lens's focus, or use a larger tag",
+                                in, none, g.names.size() == 1 ? "the" : "each", range_of(g.edge_widths),
+                                g.edge_px / 8.0, one ? "it is" : "they are"));
+  }
   return sentences;
 }
 
@@ -221,12 +264,7 @@ std::string sentence(const TagDiagnosis& d, const Calibration& calibration) {
                        d.tag, d.contrast, least_contrast)
                  : fmt::format("tag {} is there, but the picture is dark: raise the exposure", d.tag);
     case NotSeen::blurred:
-      if (d.edge_width < blurred_edge)
-        return fmt::format(
-            "no tag {} can be read, and the picture is soft: its edges are {:.1f} px wide, the squares of such a tag "
-            "{:.1f} px; if it is there, turn the lens's focus, or use a larger tag",
-            d.tag, d.edge_width, d.edge_px / 8.0);
-      return fmt::format("no tag {} is found, and {}", d.tag, blur_sentence(d.edge_width));
+      return soft_sentences(std::array{SoftPicture{.tags = {d}}}).front();
     case NotSeen::mirrored:
       return fmt::format("tag {} is there, but mirrored: switch the camera's mirror off", d.tag);
     case NotSeen::other_family:

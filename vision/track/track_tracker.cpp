@@ -43,9 +43,9 @@ class Explainer {
     return answer_.valid();
   }
 
-  /// Not while it is busy. `where`: stands before the sentences.
-  void ask(const Frame& frame, const std::vector<MissingTag>& missing, std::string where) {
-    where_ = std::move(where);
+  /// Not while it is busy. `picture`: a picture's name, which stands before the sentences; of a stream empty.
+  void ask(const Frame& frame, const std::vector<MissingTag>& missing, std::string picture) {
+    name_ = std::move(picture);
     if (!apart_) {
       tell(answer(frame, *options_.track.calibration, missing));
       return;
@@ -59,6 +59,12 @@ class Explainer {
 
   void wait() {
     if (answer_.valid()) tell(answer_.get());
+  }
+
+  /// Of pictures: which are too soft, which is not said of each.
+  void tell_of_soft() {
+    for (const std::string& sentence : soft_sentences(soft_)) say(sentence);
+    soft_.clear();
   }
 
   /// Why all tags look so has been said.
@@ -86,26 +92,38 @@ class Explainer {
   /// " (picture: crops/tag-3.png)", of pictures that are searched one by one " (picture: crops/0007.png-tag-3.png)".
   std::string picture_of_tag(const Answer& one) const {
     if (options_.crops.empty() || one.picture.width == 0) return {};
-    const std::string of = where_.empty() ? "" : one.picture.source + "-";
+    const std::string of = name_.empty() ? "" : one.picture.source + "-";
     const std::string path = fmt::format("{}/{}tag-{}.png", options_.crops, of, one.tag.tag);
     const auto written = write_png(one.picture, path);
     return fmt::format(" (picture: {})", written ? path : written.error());
   }
 
+  void say(const std::string& sentence) const {
+    if (options_.tell) options_.tell(sentence);
+  }
+
   void tell(const std::vector<Answer>& answers) {
+    SoftPicture soft{.name = name_};
     for (const Answer& one : answers) {
       const TagDiagnosis& tag = one.tag;
       of_all_ = of_all_ || tag.why == NotSeen::other_family || tag.why == NotSeen::mirrored;
       // Of many pictures, each shows some of the tags.
-      if (!where_.empty() && tag.why == NotSeen::not_found) continue;
-      if (told_.insert({where_, {tag.tag, tag.why}}).second && options_.tell)
-        options_.tell(where_ + sentence(tag, *options_.track.calibration) + picture_of_tag(one));
+      if (!name_.empty() && tag.why == NotSeen::not_found) continue;
+      if (!told_.insert({name_, {tag.tag, tag.why}}).second) continue;
+      const std::string crop = picture_of_tag(one);
+      if (tag.why == NotSeen::blurred && crop.empty())
+        soft.tags.push_back(tag);
+      else
+        say((name_.empty() ? "" : name_ + ": ") + sentence(tag, *options_.track.calibration) + crop);
     }
+    soft_.push_back(std::move(soft));
+    if (name_.empty()) tell_of_soft();
   }
 
   const TrackTrackerOptions& options_;
   bool apart_;  // on a thread of its own
-  std::string where_;
+  std::string name_;
+  std::vector<SoftPicture> soft_;  // that were not told of
   std::future<std::vector<Answer>> answer_;
   std::set<std::pair<std::string, std::pair<int, NotSeen>>> told_;
   bool of_all_ = false;
@@ -179,11 +197,12 @@ class Body {
     std::vector<MissingTag> missing;
     for (const int tag : tags)
       if (!has(tag)) missing.push_back({tag, {}});
-    if (!missing.empty()) explainer_.ask(frame, missing, frame.source + ": ");
+    if (!missing.empty()) explainer_.ask(frame, missing, frame.source);
   }
 
   TrackTrackerSummary conclude(const Frame& last, bool stills) {
     explainer_.wait();
+    explainer_.tell_of_soft();
     if (tracker_) {
       explain(last, [](const Followed& tag) { return !tag.absence.asked() && !tag.seen; });
       explainer_.wait();

@@ -25,7 +25,8 @@ struct TrackTrackerOptions {
                             // in the first frame that shows any; of pictures, those of each
   std::function<double()> clock{};                          // [s], CLOCK_MONOTONIC for a camera; none: no latencies
   std::function<void(const FrameLatency&)> latency{};       // called for every frame
-  std::function<void(const std::string& sentence)> tell{};  // why a tag is not taken, as soon as it is known
+  std::function<void(const std::string& sentence)> tell{};  // why a tag is not taken, as soon as it is known;
+                                                            // of soft pictures at the end, once for all
   std::string crops{};  // folder for a picture of each tag that `tell` is called for, which it then names; empty: none
 };
 

@@ -201,6 +201,54 @@ TEST(TrackTracker, NamesTagsThatNoPictureShows) {
   EXPECT_TRUE(of_six[0].starts_with("a.pgm: tag 6 is there, but")) << of_six[0];
 }
 
+/// Of soft pictures the reason is the same for all tags.
+TEST(TrackTracker, SaysOnceThatPicturesAreSoft) {
+  FilmLab lab;
+  const std::vector<SyntheticTag> tags{{1, {0.2, 0.1, 0.5}}, {2, {-0.7, -0.4, -2.5}}};
+  const auto write = [&](const std::string& name, double blur) {
+    SyntheticCamera camera(lab.calibration, {.blur_px = blur}, 2);
+    Frame frame;
+    camera.render(tags, 0.0, frame);
+    test::write_pgm(lab.folder.file(name), frame);
+  };
+  const auto told = [&] {
+    lab.told.clear();
+    EXPECT_TRUE(track_with_tracker(lab.options("images:" + lab.folder.path(), {1, 2})));
+    return lab.told;
+  };
+  write("a.pgm", 6.0);
+  write("b.pgm", 0.7);
+  write("c.pgm", 6.0);
+  std::vector<std::string> said = told();
+  ASSERT_EQ(said.size(), 1U) << fmt::format("{}", fmt::join(said, "\n"));
+  EXPECT_TRUE(said[0].starts_with("a.pgm, c.pgm: none of tags 1, 2 is found, and each picture is blurred (its edges"))
+      << said[0];
+  for (const char* name : {"d.pgm", "e.pgm", "f.pgm"}) write(name, 6.0);
+  said = told();
+  ASSERT_EQ(said.size(), 1U) << fmt::format("{}", fmt::join(said, "\n"));
+  EXPECT_TRUE(said[0].starts_with("5 pictures from a.pgm to f.pgm: none of tags 1, 2 is found, and each")) << said[0];
+}
+
+TEST(TrackTracker, SaysOnceThatAFilmIsSoft) {
+  FilmLab lab;
+  const std::string path = lab.folder.file("film.mkv");
+  auto recorder = Recorder::open(path, {});
+  ASSERT_TRUE(recorder) << recorder.error();
+  SyntheticCamera camera(lab.calibration, {.blur_px = 6.0}, 3);
+  Frame frame;
+  for (int k = 0; k < 20; ++k) {
+    camera.render(std::vector<SyntheticTag>{{1, {0.2, 0.1, 0.5}}, {2, {-0.7, -0.4, -2.5}}}, 0.04 * k, frame);
+    frame.captured_at = 0.04 * k;
+    frame.index = k;
+    (*recorder)->add(frame);
+  }
+  EXPECT_EQ((*recorder)->finish().problem, "");
+  ASSERT_TRUE(track_with_tracker(lab.options("video:" + path, {1, 2})));
+  ASSERT_EQ(lab.told.size(), 1U) << fmt::format("{}", fmt::join(lab.told, "\n"));
+  EXPECT_TRUE(lab.told[0].starts_with("none of tags 1, 2 is found, and the picture is blurred (its edges"))
+      << lab.told[0];
+}
+
 TEST(TrackTracker, NeedsAWorldFrame) {
   FilmLab lab;
   lab.calibration.world_from_camera.reset();
