@@ -3,72 +3,10 @@
 //
 //   povray +Irendered_floor.pov +O/tmp/floor.png +W640 +H480 +A0.03 +AM1 +R5 -J -D
 //   convert /tmp/floor.png -colorspace Gray -gaussian-blur 0x0.5 -quality 85 rendered/floor.jpg
-//
-// World frame: x right, y up, z towards the camera, metres. The modules of the tags are those of the sheets that
-// `skein tags` writes (# is ink; with the white border), of 25h9 those that AprilTag writes.
-#version 3.7;
-global_settings { assumed_gamma 1.0 max_trace_level 3 ambient_light 0 }
+#include "lab.inc"
 
-#declare Tag20 = array[10] {"..........", ".########.", ".#.######.", ".##...#.#.", ".#.#.##.#.", ".###.##.#.", ".##.##.##.", ".#.#....#.", ".########.", ".........."}
-#declare Tag21 = array[10] {"..........", ".########.", ".#.####.#.", ".##..####.", ".###..###.", ".#...##.#.", ".#.#.##.#.", ".#..#.###.", ".########.", ".........."}
-#declare Tag22 = array[10] {"..........", ".########.", ".#.###..#.", ".###..#.#.", ".##.#.###.", ".##..#.##.", ".##.#...#.", ".#.....##.", ".########.", ".........."}
-#declare Tag23 = array[10] {"..........", ".########.", ".#.##...#.", ".#..##.##.", ".####...#.", ".###..###.", ".###.#..#.", ".##.#...#.", ".########.", ".........."}
-#declare Tag24 = array[10] {"..........", ".########.", ".#.#.####.", ".#.#..###.", ".#.#.#.##.", ".#....###.", ".#.###.##.", ".##...###.", ".########.", ".........."}
-#declare Tag25 = array[10] {"..........", ".########.", ".#.#.#..#.", ".##...###.", ".##.#..##.", ".###..#.#.", ".#.##...#.", ".#.#.#..#.", ".########.", ".........."}
-#declare Tag26 = array[10] {"..........", ".########.", ".#.#..###.", ".##.#..##.", ".#...##.#.", ".#....#.#.", ".#.....##.", ".#..#####.", ".########.", ".........."}
-#declare Tag27 = array[10] {"..........", ".########.", ".#.#...##.", ".###..###.", ".######.#.", ".##....##.", ".#.#..###.", ".#...#.##.", ".########.", ".........."}
-#declare Tag30 = array[10] {"..........", ".########.", ".#...##.#.", ".###.#.##.", ".#.#...##.", ".#.###..#.", ".######.#.", ".#..#..##.", ".########.", ".........."}
-#declare Tag1 = array[10] {"..........", ".########.", ".#..#..##.", ".##.#...#.", ".#....###.", ".##..####.", ".#.#..#.#.", ".###.##.#.", ".########.", ".........."}
-#declare Tag2 = array[10] {"..........", ".########.", ".#..#...#.", ".##.##.##.", ".#.######.", ".###.##.#.", ".####.###.", ".###...##.", ".########.", ".........."}
-#declare Tag3 = array[10] {"..........", ".########.", ".#...##.#.", ".####...#.", ".#.##...#.", ".#.#.##.#.", ".#..##.##.", ".##..####.", ".########.", ".........."}
-#declare Tag4 = array[10] {"..........", ".########.", ".#...#.##.", ".#....###.", ".#.#....#.", ".###.#.##.", ".#.######.", ".#.###.##.", ".########.", ".........."}
-#declare Tag28of25h9 = array[9] {".........", ".#######.", ".##..###.", ".#.###.#.", ".#...###.", ".#.#.#.#.", ".###.#.#.", ".#######.", "........."}
-
-// The camera hangs over (0.02, -0.03, 1), tilted by 3 degrees about x and 1 degree about y. A focal length of 575 px.
-camera {
-  perspective location <0, 0, 0> right <1, 0, 0> up <0, 480 / 640, 0> direction <0, 0, -575 / 640>
-  rotate <3, 1, 0> translate <0.02, -0.03, 1>
-}
-
-// The sun through a window, and the light of the room.
-light_source { <-4, 3, 5> rgb 0.65 parallel point_at 0 }
-light_source { <3, -2, 9> rgb 0.12 shadowless }
-light_source { <0, 0, 30> rgb 0.06 shadowless }
-
-plane { z, 0
-  texture { pigment { granite turbulence 0.3 color_map { [0 rgb 0.30] [1 rgb 0.42] } scale 0.4 }
-            finish { diffuse 0.8 ambient 0 } }
-  texture { pigment { brick rgb 0.08, rgbt 1 brick_size <0.5, 0.2, 1> mortar 0.002 translate <0.13, 0.05, -0.5> }
-            finish { diffuse 0.6 ambient 0 } }
-}
-
-#declare Matt = finish { diffuse 0.85 ambient 0 }
-#declare Glossy = finish { diffuse 0.85 ambient 0 reflection 0.06 }
-
-// A tag of so many modules from side to side, each of this size, upright around the origin.
-#macro Sheet(Rows, Module, Paper)
-  union {
-    #local N = dimension_size(Rows, 1);
-    box { <-N / 2, -N / 2, -0.05>, <N / 2, N / 2, 0> pigment { rgb 0.8 } finish { Paper } }
-    #for (R, 0, N - 1)
-      #for (C, 0, N - 1)
-        #if (strcmp(substr(Rows[R], C + 1, 1), "#") = 0)
-          box { <C - N / 2, N / 2 - R - 1, 0>, <C + 1 - N / 2, N / 2 - R, 0.01> pigment { rgb 0.04 } finish { Paper } }
-        #end
-      #end
-    #end
-    scale Module
-  }
-#end
 #macro Mark(Rows, X, Y, Turn)
   object { Sheet(Rows, 0.005, Matt) rotate z * Turn translate <X, Y, 0.0002> }
-#end
-#macro Body(X, Y)
-  cylinder { <X, Y, 0.003>, <X, Y, 0.0598>, 0.035 pigment { rgb <0.34, 0.42, 0.30> } finish { diffuse 0.6 ambient 0 } }
-#end
-#macro Robot(Rows, X, Y, Turn, Module)
-  Body(X, Y)
-  object { Sheet(Rows, Module, Matt) rotate z * Turn translate <X, Y, 0.06> }
 #end
 
 // Marks that can be read.

@@ -1,8 +1,11 @@
-// Pictures that POV-Ray has drawn, a program that knows nothing of Skein: rendered_floor.pov says what they show.
+// Pictures that POV-Ray has drawn, a program that knows nothing of Skein: rendered_floor.pov and rendered_covers.pov
+// say what they show.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 
 #include "core/geometry/pose.h"
@@ -88,6 +91,63 @@ TEST(RenderedFloor, SaysOfEachRobotWhatIsTheMatterWithItsTag) {
             "tag 3 is there, but no white border is around it: print it anew, and cut it out along the dashed lines");
   EXPECT_THAT(sentence(diagnosed[1], floor.calibration), HasSubstr("tag 4 is there, but its edge is "));
   EXPECT_NEAR(diagnosed[1].size, 0.03, 0.001);
+}
+
+/// What rendered_covers.pov shows, with and without the covers.
+Frame rendered_robots(const std::string& name) {
+  const auto source = open_source("images:" + test::in_source("tests/vision/diagnosis/" + name));
+  if (!source) throw std::runtime_error(source.error());
+  Frame frame;
+  if (const auto more = (*source)->read(frame); !more || !*more) throw std::runtime_error(name + " cannot be read");
+  return frame;
+}
+
+const std::vector<int> of_the_robots{1, 2, 3, 20, 21, 22};
+
+TEST(RenderedCovers, OfEachTagItIsSaidWhatHidesIt) {
+  const RenderedFloor floor;
+  const std::vector<TagPose> before =
+      TagTracker(floor.calibration, {.tags = of_the_robots}).process(rendered_robots("rendered_free.jpg"));
+  ASSERT_THAT(before, SizeIs(of_the_robots.size())) << "the control: nothing covers them";
+  const Frame frame = rendered_robots("rendered_covers.jpg");
+  const std::vector<TagPose> poses = TagTracker(floor.calibration, {.tags = of_the_robots}).process(frame);
+  ASSERT_THAT(poses, SizeIs(1));
+  EXPECT_EQ(poses.front().tag, 20);
+  for (const bool seen_before : {false, true}) {
+    std::vector<MissingTag> missing;
+    for (const TagPose& pose : before)
+      if (pose.tag != 20 && pose.tag != 22)
+        missing.push_back({.tag = pose.tag, .last = seen_before ? std::optional(pose.pose) : std::nullopt});
+    for (const TagDiagnosis& d : diagnose(frame, floor.calibration, missing)) {
+      const std::string said = sentence(d, floor.calibration) + (seen_before ? ", seen before" : ", never seen");
+      EXPECT_EQ(d.why, d.tag == 21 ? NotSeen::too_bright : NotSeen::covered) << said;
+      EXPECT_EQ(d.partly, d.tag == 21) << said;
+      ASSERT_THAT(d.places, SizeIs(1)) << said;
+      const auto pose =
+          std::find_if(before.begin(), before.end(), [&](const TagPose& one) { return one.tag == d.tag; });
+      EXPECT_LT((d.places.front() - Eigen::Vector2d(pose->pose.x, pose->pose.y)).norm(), 0.003) << said;
+    }
+  }
+}
+
+/// The control: 22 is covered as a whole, and the others are not there, neither anywhere nor where a robot's tag is.
+TEST(RenderedCovers, OfTagsThatNothingShowsItIsSaidThatTheyAreNotInThePicture) {
+  const RenderedFloor floor;
+  const Frame free = rendered_robots("rendered_free.jpg"), covers = rendered_robots("rendered_covers.jpg");
+  const auto before = TagTracker(floor.calibration, {.tags = of_the_robots}).process(free);
+  const auto none_is_there = [&](const Frame& frame, const std::vector<MissingTag>& missing) {
+    for (const TagDiagnosis& d : diagnose(frame, floor.calibration, missing))
+      EXPECT_EQ(d.why, NotSeen::not_found) << sentence(d, floor.calibration);
+  };
+  for (const Frame* frame : {&free, &covers}) {  // four at a time are searched for everywhere
+    none_is_there(*frame, {{.tag = 23}, {.tag = 24}, {.tag = 25}, {.tag = 26}});
+    none_is_there(*frame, {{.tag = 27}, {.tag = 30}, {.tag = 4}, {.tag = 5}});
+  }
+  none_is_there(covers, {{.tag = 22}});
+  for (const TagPose& pose : before) {
+    if (pose.tag == 22) none_is_there(covers, {{.tag = 22, .last = pose.pose}});
+    none_is_there(covers, {{.tag = 23, .last = pose.pose}, {.tag = 24, .last = pose.pose}});
+  }
 }
 
 /// The control, and a lens that is out of focus: marks that are there, but blurred for their size.
