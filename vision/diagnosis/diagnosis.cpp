@@ -345,6 +345,14 @@ void look_for_remains(const Frame& frame, const Calibration& plane, const Eigen:
   }
 }
 
+/// A cover whose edge goes askew over a tag leaves no half of it free.
+bool a_part_is_left(const Frame& frame, const Calibration& calibration, const core::Pose& pose, int tag) {
+  using detail::TagRemains;
+  const TagRemains remains = detail::remains_of_tag(frame, calibration, {pose.x, pose.y}, tag);
+  return remains != TagRemains::none && remains != TagRemains::whole &&
+         detail::fits_best(frame, calibration, pose, tag);
+}
+
 /// Says of a tag that is not found, but of which a part is at `pose`, what hides the rest.
 void look_at_covered(const Frame& frame, const Calibration& calibration, const std::vector<Detection>& found,
                      const core::Pose& pose, TagDiagnosis& answer) {
@@ -374,7 +382,9 @@ void look_near_last_places(const Frame& frame, const Calibration& calibration, s
     if (!at) continue;
     const int reach = static_cast<int>(edges_around * answer.edge_px);
     const Window near{static_cast<int>(at->x()) - reach, static_cast<int>(at->y()) - reach, 2 * reach, 2 * reach};
-    const auto pose = detail::find_covered_tags(frame, calibration, std::array{answer.tag}, near).front();
+    auto pose = detail::find_covered_tags(frame, calibration, std::array{answer.tag}, near).front();
+    // A robot that is not seen stops: where it was, less than a half of its tag tells.
+    if (!pose && a_part_is_left(frame, calibration, *missing[i].last, answer.tag)) pose = missing[i].last;
     if (pose) look_at_covered(frame, calibration, found, *pose, answer);
   }
 }

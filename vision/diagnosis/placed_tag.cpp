@@ -190,4 +190,35 @@ TagRemains remains_of_tag(const Frame& frame, const Calibration& calibration, co
   return remains;
 }
 
+bool fits_best(const Frame& frame, const Calibration& calibration, const core::Pose& pose, int tag) {
+  constexpr int turns = 3, reach = 2;
+  constexpr double turn_step = 4.0 * std::numbers::pi / 180.0;
+  const Modules shown(frame, calibration);
+  const double half_module = 0.5 * calibration.tag_size / modules_an_edge;
+  std::vector<Greys> views;
+  Greys greys{};
+  for (int turn = -turns; turn <= turns; ++turn)
+    for (int i = -reach; i <= reach; ++i)
+      for (int j = -reach; j <= reach; ++j) {
+        const Eigen::Vector2d at = Eigen::Vector2d(pose.x, pose.y) + half_module * Eigen::Vector2d(i, j);
+        if (shown.read(at, pose.theta + turn * turn_step, greys)) views.push_back(greys);
+      }
+  const auto best_of = [&](const TagPattern& pattern) {
+    const std::vector<Step> steps = steps_of(pattern);
+    double best = -1.0;
+    for (const Greys& view : views) {
+      Agreement all;
+      for (const Step& step : steps) all.count(step, view);
+      best = std::max(best, all.share());
+    }
+    return best;
+  };
+  const auto& patterns = tag_patterns();
+  const auto own = static_cast<std::size_t>(tag);
+  const double best = best_of(patterns.at(own));
+  for (std::size_t other = 0; other < patterns.size(); ++other)
+    if (other != own && best_of(patterns[other]) >= best) return false;
+  return true;
+}
+
 }  // namespace skein::vision::detail

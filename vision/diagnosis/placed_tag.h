@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "core/geometry/pose.h"
 #include "vision/calibration/calibration.h"
 #include "vision/frames/frame.h"
 
@@ -23,5 +24,9 @@ enum class TagRemains : std::uint8_t {
 /// Neighbouring modules are compared, of which light that changes over the tag leaves the order. The calibration must
 /// have a world frame.
 TagRemains remains_of_tag(const Frame& frame, const Calibration& calibration, const Eigen::Vector2d& place, int tag);
+
+/// Whether no other tag agrees as well as `tag` with what a frame shows around a pose on the plane of the tags, to a
+/// module and 12 degrees. `remains_of_tag` tells that there is a part of a tag, but hardly of which.
+bool fits_best(const Frame& frame, const Calibration& calibration, const core::Pose& pose, int tag);
 
 }  // namespace skein::vision::detail

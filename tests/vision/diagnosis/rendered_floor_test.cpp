@@ -130,6 +130,24 @@ TEST(RenderedCovers, OfEachTagItIsSaidWhatHidesIt) {
   }
 }
 
+/// Covers that leave no half of a tag free, of robots that were seen before.
+TEST(RenderedCovers, AskewAreNamedWhereARobotWasSeenLastAndOnlyOfItsOwnTag) {
+  const RenderedFloor floor;
+  const auto before =
+      TagTracker(floor.calibration, {.tags = of_the_robots}).process(rendered_robots("rendered_free.jpg"));
+  const Frame frame = rendered_robots("rendered_askew.jpg");
+  for (const TagPose& pose : before) {
+    if (pose.tag != 1 && pose.tag != 2 && pose.tag != 21) continue;
+    const auto d = diagnose(frame, floor.calibration, std::array{MissingTag{.tag = pose.tag, .last = pose.pose}})[0];
+    EXPECT_EQ(d.why, d.tag == 21 ? NotSeen::too_bright : NotSeen::covered) << sentence(d, floor.calibration);
+    for (int other = 30; other < 40; ++other) {
+      const auto no = diagnose(frame, floor.calibration, std::array{MissingTag{.tag = other, .last = pose.pose}})[0];
+      EXPECT_EQ(no.why, NotSeen::not_found)
+          << "the control, at " << pose.tag << ": " << sentence(no, floor.calibration);
+    }
+  }
+}
+
 /// The control: 22 is covered as a whole, and the others are not there, neither anywhere nor where a robot's tag is.
 TEST(RenderedCovers, OfTagsThatNothingShowsItIsSaidThatTheyAreNotInThePicture) {
   const RenderedFloor floor;
