@@ -112,13 +112,14 @@ Check tags(const Experiment& e, const TickRecord* record, std::span<const Unseen
     const bool one = ids.size() == 1;
     const std::string of_tags = fmt::format("tag{} {}", one ? "" : "s", fmt::join(ids, ", "));
     reasons += fmt::format("{}{}: ", reasons.empty() ? "" : "; ", numbers(unseen));
-    if (e.camera.kind() == CameraKind::absent)
-      reasons += "the simulation gives no pose of " + of_tags;
+    looking = e.camera.kind() != CameraKind::absent && !all_cameras_down;
+    if (looking)
+      reasons += fmt::format("{} {} being looked for", of_tags, one ? "is" : "are");
     else if (all_cameras_down)
       reasons += fmt::format("{} picture that can be used",
                              e.cameras() == 1 ? "the camera delivers no" : "no camera delivers a");
     else
-      looking = true, reasons += fmt::format("{} {} being looked for", of_tags, one ? "is" : "are");
+      reasons += "the simulation gives no pose of " + of_tags;
   }
   return {What::tags, looking && known.empty() ? State::waits : State::fails, reasons, true};
 }
