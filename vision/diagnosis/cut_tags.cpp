@@ -93,8 +93,9 @@ struct Cells {
     for (std::size_t first = 0; first < apart; ++first)
       for (std::size_t k = first; k < cells; k += apart) {
         if (left_half && k % side >= side / 2) continue;
-        const Eigen::Vector2d place(static_cast<double>(k % side) - 0.5 * (side - 1),
-                                    0.5 * (side - 1) - static_cast<double>(k / side));
+        const std::size_t row = k / side, column = k % side;
+        const Eigen::Vector2d place(static_cast<double>(column) - 0.5 * (side - 1),
+                                    0.5 * (side - 1) - static_cast<double>(row));
         (is_bit(k) ? bits : shared).push_back({k, place, depth(k) == 0});
       }
   }
