@@ -12,16 +12,30 @@ Timetable::Timetable(const std::vector<TimedPoint>& points) {
   for (const TimedPoint& point : points) times_.push_back(point.t);
   // The velocities m that make the acceleration continuous, as in `Spline`; none at the ends.
   std::vector<Point> m(n);
-  for (int sweep = 0; sweep < 100; ++sweep)
+  struct Row {  // of the equations of m
+    double p, q, sum;
+    Point known;
+  };
+  std::vector<Row> rows;
+  for (std::size_t i = 1; i + 1 < n; ++i) {
+    const double p = 1.0 / (times_[i] - times_[i - 1]), q = 1.0 / (times_[i + 1] - times_[i]);
+    const auto known = [&](double Point::*part) {
+      return 3.0 * (p * p * (points[i].place.*part - points[i - 1].place.*part) +
+                    q * q * (points[i + 1].place.*part - points[i].place.*part));
+    };
+    rows.push_back({p, q, 2.0 * (p + q), {known(&Point::x), known(&Point::y)}});
+  }
+  bool changes = true;
+  for (int sweep = 0; sweep < 100 && changes; ++sweep) {
+    changes = false;
     for (std::size_t i = 1; i + 1 < n; ++i) {
-      const double p = 1.0 / (times_[i] - times_[i - 1]), q = 1.0 / (times_[i + 1] - times_[i]);
-      const auto velocity = [&](double Point::*part) {
-        const double known = 3.0 * (p * p * (points[i].place.*part - points[i - 1].place.*part) +
-                                    q * q * (points[i + 1].place.*part - points[i].place.*part));
-        return (known - p * m[i - 1].*part - q * m[i + 1].*part) / (2.0 * (p + q));
-      };
-      m[i] = {velocity(&Point::x), velocity(&Point::y)};
+      const auto& [p, q, sum, known] = rows[i - 1];
+      const Point velocity{(known.x - p * m[i - 1].x - q * m[i + 1].x) / sum,
+                           (known.y - p * m[i - 1].y - q * m[i + 1].y) / sum};
+      changes = changes || velocity.x != m[i].x || velocity.y != m[i].y;
+      m[i] = velocity;
     }
+  }
   for (std::size_t i = 0; i + 1 < n; ++i) {
     const double h = times_[i + 1] - times_[i];
     Piece piece;
