@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 #include <vector>
 
 // OpenCV's ArUco markers and ChArUco boards. Their interface, and the module that they are in, changed with OpenCV 4.7.
@@ -49,6 +51,23 @@ struct CharucoCorners {
   std::vector<cv::Point3f> on_board;
 };
 
+/// Refines each corner in a window that no marker reaches into. OpenCV has done so as well, but from 4.5.4 until 2026
+/// its corners of a ChArUco board are half a pixel too far to the right and too low (opencv/opencv issue 25539).
+inline void refine(const cv::Mat& picture, const std::vector<std::vector<cv::Point2f>>& markers,
+                   std::vector<cv::Point2f>& corners) {
+  const cv::TermCriteria enough{cv::TermCriteria::EPS | cv::TermCriteria::COUNT, 40, 1e-3};
+  for (cv::Point2f& corner : corners) {
+    double nearest = 1e9;
+    for (const auto& marker : markers)
+      for (const cv::Point2f& other : marker) nearest = std::min(nearest, cv::norm(other - corner));
+    const int half = std::clamp(static_cast<int>(nearest) - 2, 1, 10);
+    std::vector<cv::Point2f> one{corner - cv::Point2f(0.5F, 0.5F)};
+    if (!cv::Rect2f(cv::Point2f(), picture.size()).contains(one.front())) continue;  // cornerSubPix throws
+    cv::cornerSubPix(picture, one, {half, half}, {-1, -1}, enough);
+    corner = one.front();
+  }
+}
+
 inline CharucoCorners find_charuco_corners(const cv::Mat& picture, int dictionary, int columns, int rows, float square,
                                            float marker) {
   CharucoCorners found;
@@ -65,6 +84,7 @@ inline CharucoCorners find_charuco_corners(const cv::Mat& picture, int dictionar
   find_markers(picture, dictionary, cv::aruco::DetectorParameters(), markers, ids);
   if (!ids.empty()) cv::aruco::interpolateCornersCharuco(markers, ids, picture, board, found.points, found.numbers);
 #endif
+  refine(picture, markers, found.points);
   return found;
 }
 

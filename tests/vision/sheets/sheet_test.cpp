@@ -71,6 +71,29 @@ TEST(Sheet, BoardsAreFoundAtTheirSize) {
     }
 }
 
+/// Turned by half a turn, what is found at u is found at width - 1 - u: (0, 0) is the middle of the first pixel.
+TEST(Sheet, CornersOfBoardsAreFoundWhereTheyAre) {
+  for (const auto kind : {Board::Kind::charuco, Board::Kind::chessboard}) {
+    const Board board{.kind = kind};
+    const auto pages = board_sheet(board, "A4");
+    ASSERT_TRUE(pages) << pages.error();
+    Frame frame;
+    ASSERT_TRUE(rasterise(pages->front(), 3.0, frame));
+    const auto corners = find_board(frame, board);
+    std::reverse(frame.grey.begin(), frame.grey.end());
+    auto turned = find_board(frame, board);
+    ASSERT_TRUE(corners && turned);
+    ASSERT_EQ(corners->size(), static_cast<std::size_t>(board.inner_corners()));
+    ASSERT_EQ(turned->size(), corners->size());
+    // A chessboard's first corner is where it is always, a ChArUco board's has turned with it.
+    if (kind == Board::Kind::chessboard) std::reverse(turned->begin(), turned->end());
+    for (std::size_t i = 0; i < corners->size(); ++i) {
+      EXPECT_NEAR((*corners)[i].u, frame.width - 1 - (*turned)[i].u, 0.05) << i;
+      EXPECT_NEAR((*corners)[i].v, frame.height - 1 - (*turned)[i].v, 0.05) << i;
+    }
+  }
+}
+
 /// OpenCV finds a chessboard among a ChArUco board's squares and markers, or searches for minutes.
 TEST(Sheet, ACharucoBoardIsNoChessboard) {
   for (const int bits : {4, 5, 6, 7}) {
