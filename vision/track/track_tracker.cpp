@@ -200,9 +200,14 @@ class Body {
     if (!missing.empty()) explainer_.ask(frame, missing, frame.source);
   }
 
-  TrackTrackerSummary conclude(const Frame& last, bool stills) {
+  /// What is known of tags and was not told yet; also before an error that ends the call.
+  void tell_the_rest() {
     explainer_.wait();
     explainer_.tell_of_soft();
+  }
+
+  TrackTrackerSummary conclude(const Frame& last, bool stills) {
+    tell_the_rest();
     if (tracker_) {
       explain(last, [](const Followed& tag) { return !tag.absence.asked() && !tag.seen; });
       explainer_.wait();
@@ -311,14 +316,18 @@ tl::expected<TrackTrackerSummary, std::string> track_with_tracker(const TrackTra
   Body body(options, live);
   TrackSummary& summary = body.summary().track;
   summary.source = (*source)->describe();
+  const auto failed = [&](std::string why) {
+    body.tell_the_rest();
+    return tl::unexpected(std::move(why));
+  };
   Frame frame;
   while (track.max_frames == 0 || summary.frames < track.max_frames) {
     const double since = body.now();
     const auto more = (*source)->read(frame);
-    if (!more) return tl::unexpected(more.error());
+    if (!more) return failed(more.error());
     if (!*more) break;
     if (const std::string wrong = detail::wrong_size(frame, summary.source, track.calibration); !wrong.empty())
-      return tl::unexpected(wrong);
+      return failed(wrong);
     const bool stamped = live && frame.arrived_at > 0.0;
     FrameLatency latency{.arrival = stamped ? frame.arrived_at - frame.captured_at : nan,
                          .grey = stamped ? body.now() - frame.arrived_at
@@ -333,15 +342,15 @@ tl::expected<TrackTrackerSummary, std::string> track_with_tracker(const TrackTra
     if (*recorder && live) (*recorder)->offer(frame);
     if (*recorder && !live) (*recorder)->add(frame);
     ++summary.frames;
-    if (!body.well()) return tl::unexpected(std::string("the CSV cannot be written"));
+    if (!body.well()) return failed("the CSV cannot be written");
     if (track.keep_going && !track.keep_going(summary.frames)) break;
   }
   if (*recorder) summary.recording = (*recorder)->finish();
-  if (!body.finish()) return tl::unexpected(std::string("the CSV cannot be written"));
+  if (!body.finish()) return failed("the CSV cannot be written");
   summary.status = (*source)->status();
   summary.skipped.assign((*source)->skipped().begin(), (*source)->skipped().end());
   if (const std::string problem = detail::nothing_read(**source, summary.frames); !problem.empty())
-    return tl::unexpected(problem);
+    return failed(problem);
   return body.conclude(frame, stills);
 }
 

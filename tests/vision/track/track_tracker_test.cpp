@@ -229,6 +229,26 @@ TEST(TrackTracker, SaysOnceThatPicturesAreSoft) {
   EXPECT_TRUE(said[0].starts_with("5 pictures from a.pgm to f.pgm: none of tags 1, 2 is found, and each")) << said[0];
 }
 
+TEST(TrackTracker, SaysThatPicturesAreSoftBeforeAnErrorEndsIt) {
+  FilmLab lab;
+  const std::vector<SyntheticTag> tags{{1, {0.2, 0.1, 0.5}}, {2, {-0.7, -0.4, -2.5}}};
+  const auto write = [&](const std::string& name, const Calibration& calibration) {
+    SyntheticCamera camera(calibration, {.blur_px = 6.0}, 2);
+    Frame frame;
+    camera.render(tags, 0.0, frame);
+    test::write_pgm(lab.folder.file(name), frame);
+  };
+  write("a.pgm", lab.calibration);
+  Calibration other = lab.calibration;
+  other.width -= 160;
+  write("b.pgm", other);
+  const auto summary = track_with_tracker(lab.options("images:" + lab.folder.path(), {1, 2}));
+  ASSERT_FALSE(summary);
+  EXPECT_NE(summary.error().find("b.pgm"), std::string::npos) << summary.error();
+  ASSERT_EQ(lab.told.size(), 1U) << fmt::format("{}", fmt::join(lab.told, "\n"));
+  EXPECT_TRUE(lab.told[0].starts_with("a.pgm: none of tags 1, 2 is found, and the picture is blurred")) << lab.told[0];
+}
+
 TEST(TrackTracker, SaysOnceThatAFilmIsSoft) {
   FilmLab lab;
   const std::string path = lab.folder.file("film.mkv");
