@@ -78,7 +78,7 @@ struct Filmed {
     vision::Frame frame;
     vision::SyntheticCamera(calibration).render(tags, 0.0, frame);
     skein::test::write_pgm(pictures + "/0.pgm", frame);
-    for (int k = 1; k < 400; ++k)
+    for (int k = 1; k < 1500; ++k)  // a minute: marks are looked at late on a busy machine
       std::filesystem::create_hard_link(pictures + "/0.pgm", pictures + "/" + std::to_string(k) + ".pgm");
   }
 };
