@@ -7,6 +7,7 @@
 #include <cmath>
 #include <condition_variable>
 #include <deque>
+#include <functional>
 #include <future>
 #include <map>
 #include <mutex>
@@ -119,8 +120,9 @@ class TagJudge {
     return tags;
   }
 
-  /// Asks why tags are not taken that were not for a while; of a still it waits for the answer, some seconds at worst.
-  void explain(const vision::Frame& frame) {
+  /// Asks why tags are not taken that were not for a while; of a still it waits for the answer, some seconds at worst,
+  /// and calls `more_is_known` for what is known at once.
+  void explain(const vision::Frame& frame, const std::function<void()>& more_is_known) {
     if (!tracker_) return;
     const double at = now();
     if (answer_.valid() && answer_.wait_for(std::chrono::seconds(0)) == std::future_status::ready)
@@ -136,7 +138,11 @@ class TagJudge {
     }
     if (missing.empty()) return;
     if (stills_) {
-      reasons_ = reasons_for(frame, *calibration_, missing);
+      const auto so_far = [&](const std::vector<vision::TagDiagnosis>& tags) {
+        reasons_ = sentences_of(tags, *calibration_);
+        more_is_known();
+      };
+      reasons_ = sentences_of(vision::diagnose(frame, *calibration_, missing, so_far), *calibration_);
       return;
     }
     if (answer_.valid() || at < next_question_) return;
@@ -169,12 +175,16 @@ class TagJudge {
       tag.state = State::unjudged;
   }
 
+  static std::map<int, std::string> sentences_of(const std::vector<vision::TagDiagnosis>& tags,
+                                                 const vision::Calibration& calibration) {
+    std::map<int, std::string> sentences;
+    for (const vision::TagDiagnosis& tag : tags) sentences[tag.tag] = vision::sentence(tag, calibration);
+    return sentences;
+  }
+
   static std::map<int, std::string> reasons_for(const vision::Frame& frame, const vision::Calibration& calibration,
                                                 const std::vector<vision::MissingTag>& missing) {
-    std::map<int, std::string> reasons;
-    for (const vision::TagDiagnosis& tag : vision::diagnose(frame, calibration, missing))
-      reasons[tag.tag] = vision::sentence(tag, calibration);
-    return reasons;
+    return sentences_of(vision::diagnose(frame, calibration, missing), calibration);
   }
 
   const std::vector<int> wanted_;
@@ -245,9 +255,10 @@ struct CameraViewer::Work {
     if (!judge) begin(frame, stills);
     const double since = now();
     judge->detect(frame);
-    show(frame, judge->tags(), stills);
-    judge->explain(frame);
-    if (stills) show(frame, judge->tags(), stills);
+    const auto show_tags = [&] { show(frame, judge->tags(), stills); };
+    show_tags();
+    judge->explain(frame, show_tags);
+    if (stills) show_tags();
     rests_until = now() + (now() - since);
   }
 
