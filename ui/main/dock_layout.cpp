@@ -112,10 +112,12 @@ int DockLayout::columns_width() const {
   return least_width(gains_) + least_width(plots_);
 }
 
-/// Whether both columns and the arena are no wider than the screen: with a large font they may be, and STOP with them.
+/// Whether both columns and the arena are no wider than the screen, nor the plots beside what is below: with a large
+/// font they may be, and STOP with them.
 bool DockLayout::columns_fit_screen() const {
   const int arena = window_->centralWidget() ? window_->centralWidget()->minimumSizeHint().width() : 0;
-  return columns_width() + arena <= window_->screen()->availableGeometry().width();
+  const int below = least_width(robots_) + least_width(front(events_)) + least_width(plots_);
+  return std::max(columns_width() + arena, below) <= window_->screen()->availableGeometry().width();
 }
 
 /// Of the tabs that the dock is one of, the one in front: Qt 6.8 does not size those behind it.
