@@ -51,8 +51,8 @@ struct CharucoCorners {
   std::vector<cv::Point3f> on_board;
 };
 
-/// Refines each corner in a window that no marker reaches into. OpenCV has done so as well, but from 4.5.4 until 2026
-/// its corners of a ChArUco board are half a pixel too far to the right and too low (opencv/opencv issue 25539).
+/// Refines each corner once more, in a window that no marker reaches into. OpenCV refines them too, but versions from
+/// 4.5.4 until 2026 then return them half a pixel too far to the right and too low (opencv/opencv issue 25539).
 inline void refine(const cv::Mat& picture, const std::vector<std::vector<cv::Point2f>>& markers,
                    std::vector<cv::Point2f>& corners) {
   const cv::TermCriteria enough{cv::TermCriteria::EPS | cv::TermCriteria::COUNT, 40, 1e-3};

@@ -71,7 +71,7 @@ TEST(Sheet, BoardsAreFoundAtTheirSize) {
     }
 }
 
-/// Turned by half a turn, what is found at u is found at width - 1 - u: (0, 0) is the middle of the first pixel.
+/// In a picture turned by 180 degrees a corner is found at width - 1 - u: (0, 0) is the centre of the first pixel.
 TEST(Sheet, CornersOfBoardsAreFoundWhereTheyAre) {
   for (const auto kind : {Board::Kind::charuco, Board::Kind::chessboard}) {
     const Board board{.kind = kind};
@@ -85,7 +85,7 @@ TEST(Sheet, CornersOfBoardsAreFoundWhereTheyAre) {
     ASSERT_TRUE(corners && turned);
     ASSERT_EQ(corners->size(), static_cast<std::size_t>(board.inner_corners()));
     ASSERT_EQ(turned->size(), corners->size());
-    // A chessboard's first corner is where it is always, a ChArUco board's has turned with it.
+    // The corners of a chessboard are numbered from the top left of the picture, those of a ChArUco board from its own.
     if (kind == Board::Kind::chessboard) std::reverse(turned->begin(), turned->end());
     for (std::size_t i = 0; i < corners->size(); ++i) {
       EXPECT_NEAR((*corners)[i].u, frame.width - 1 - (*turned)[i].u, 0.05) << i;
