@@ -162,21 +162,29 @@ TEST(CameraPicture, WritesNoTextOverAnother) {
 }
 
 TEST_F(CameraPageTest, SaysOfEachTagWhyItIsNotTaken) {
-  const auto calibration = app::load_calibration(overhead().toStdString());
+  auto calibration = app::load_calibration(overhead().toStdString());
   ASSERT_TRUE(calibration.has_value());
+  // The middle of the picture: the search for the tags that are not there takes a quarter of the time.
+  calibration->cx -= calibration->width / 4.0;
+  calibration->cy -= calibration->height / 4.0;
+  calibration->width /= 2;
+  calibration->height /= 2;
+  const QTemporaryDir files;
+  const QString middle = files.filePath(QStringLiteral("middle.toml"));
+  ASSERT_TRUE(app::save_calibration(*calibration, middle.toStdString()));
   const double size = calibration->tag_size;
   vision::SyntheticCamera camera(*calibration);
   vision::Frame frame;
-  const std::array tags{vision::SyntheticTag{1, {0.3, 0.2, 0.5}, size},
-                        vision::SyntheticTag{2, {-0.4, 0.3, 1.0}, 0.8 * size},
-                        vision::SyntheticTag{9, {0.0, -0.3, 0.0}, size}};
+  const std::array tags{vision::SyntheticTag{1, {0.15, 0.1, 0.5}, size},
+                        vision::SyntheticTag{2, {-0.2, 0.15, 1.0}, 0.8 * size},
+                        vision::SyntheticTag{9, {0.0, -0.15, 0.0}, size}};
   camera.render(tags, 0.0, frame);
   const QImage picture(frame.grey.data(), frame.width, frame.height, frame.width, QImage::Format_Grayscale8);
   const QTemporaryDir dir;
   ASSERT_TRUE(picture.save(dir.filePath(QStringLiteral("a.png"))));
   start();
   open_page();
-  look_at(QStringLiteral("images:") + dir.path(), overhead());
+  look_at(QStringLiteral("images:") + dir.path(), middle);
   ASSERT_TRUE(eventually([&] { return verdict(1) == QStringLiteral("robot 1"); }))
       << status().toStdString() << verdict(1).toStdString();
   EXPECT_TRUE(eventually([&] { return verdict(2).contains(QStringLiteral("smaller")); })) << verdict(2).toStdString();

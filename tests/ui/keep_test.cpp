@@ -120,7 +120,7 @@ TEST_F(Keep, ARunWithACameraHasItsFilmIfThatIsWanted) {
 
   // Without one frame: the film is not the run's any more, but it does not show other commands.
   const std::string film = folder.toStdString() + "/film.mkv";
-  skein::test::copy_film(film, film + ".copy", {20});
+  skein::test::copy_film(film, film + ".copy", {skein::test::frames_of(film) / 2});
   std::filesystem::rename(film + ".copy", film);
   const auto lacking = app::verify_run(folder.toStdString());
   ASSERT_TRUE(lacking) << lacking.error();
