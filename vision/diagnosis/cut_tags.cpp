@@ -12,6 +12,7 @@
 #include <numbers>
 #include <utility>
 
+#include "core/math/elementary.h"
 #include "vision/diagnosis/light_limits.h"
 #include "vision/tags/tag_pattern.h"
 #include "vision/tags/tag_plane.h"
@@ -54,6 +55,9 @@ class SquareMeans {
       }
     }
   }
+  /// Around a pixel that is `reach()` or more inside the frame's border.
+  float mean_inside(int u, int v) const { return means_[at(u, v)]; }
+  int reach() const { return reach_; }
   /// Around the pixel that is next to a place; none: the square reaches over the frame's border.
   std::optional<float> mean(const Eigen::Vector2d& middle) const {
     const double u = middle.x() + 0.5, v = middle.y() + 0.5;
@@ -123,9 +127,14 @@ std::optional<Spot> spot_at(const Calibration& calibration, const Eigen::Vector2
   return spot;
 }
 
+using CellValues = std::array<float, cells>;
+
 /// What a frame shows of the cells of a tag that is at a pose.
 struct View {
-  std::array<float, cells> grey{};
+  CellValues grey{};
+  CellValues deviation{};  // of what is shown, from its mean; else 0 [grey levels]
+  double count = 0.0;      // of the cells that are shown
+  double spread = 0.0;     // the sum of the deviations' squares
   std::array<bool, cells> shown{};
   bool cut = false;     // not all cells are
   double middle = 0.0;  // between the cells that all tags have in paper and those that all have in ink [grey levels]
@@ -149,6 +158,9 @@ struct Contrast {
   double middle() const { return 0.5 * (sum[0] / count[0] + sum[1] / count[1]); }
 };
 
+// Of nearly all places a few cells show that no tag is there: more than those are not worth their time there.
+constexpr std::size_t glance = 6, first_look = 16;  // cells
+
 class Viewer {
  public:
   /// `left_half`: only of the half that is on the left in the view; the other one is not looked at.
@@ -165,8 +177,6 @@ class Viewer {
   std::optional<View> view(const Spot& spot, const Eigen::Matrix2d& rotation) const {
     const Eigen::Matrix2d px_per_module = module_ * spot.px_per_metre * rotation;
     const auto grey_of = [&](const Cell& cell) { return means_.mean(spot.pixel + px_per_module * cell.place); };
-    // Of nearly all places a few cells show that no tag is there: more than those are not worth their time there.
-    constexpr std::size_t glance = 6, first_look = 16;  // cells
     Contrast contrast;
     std::size_t next = 0, seen = 0;
     const auto look_at = [&](std::size_t enough) {
@@ -194,6 +204,17 @@ class Viewer {
     return brightest - darkest < least_contrast;
   }
 
+  const SquareMeans& means() const { return means_; }
+  std::span<const Cell> first_cells() const { return std::span(cells_.shared).first(first_look); }
+  double module() const { return module_; }
+  /// How many of the cells that are looked at are paper in a tag.
+  double papers_of(const TagPattern& tag) const {
+    double papers = 0.0;
+    for (const auto* some : {&cells_.shared, &cells_.bits})
+      for (const Cell& cell : *some) papers += tag[cell.k] ? 1.0 : 0.0;
+    return papers;
+  }
+
  private:
   template <typename GreyOf>
   std::optional<View> whole_view(const GreyOf& grey_of) const {
@@ -212,7 +233,19 @@ class Viewer {
     int bits = 0;
     for (const Cell& cell : cells_.bits) bits += look(cell) ? 1 : 0;
     if (bits < least_bits) return {};
+    compare_with_mean(view);
     return view;
+  }
+
+  static void compare_with_mean(View& view) {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < cells; ++k)
+      if (view.shown[k]) sum += view.grey[k], view.count += 1.0;
+    const auto mean = static_cast<float>(sum / view.count);
+    for (std::size_t k = 0; k < cells; ++k) {
+      if (view.shown[k]) view.deviation[k] = view.grey[k] - mean;
+      view.spread += core::math::squared(view.deviation[k]);
+    }
   }
 
   SquareMeans means_;
@@ -220,21 +253,55 @@ class Viewer {
   Cells cells_;
 };
 
-/// The correlation of what is shown with a tag.
-double correlation(const View& view, const TagPattern& pattern) {
-  double n = 0.0, greys = 0.0, squares = 0.0, papers = 0.0, products = 0.0;
-  for (std::size_t k = 0; k < cells; ++k) {
-    if (!view.shown[k]) continue;
-    const double grey = view.grey[k], paper = pattern[k] ? 1.0 : 0.0;
-    n += 1.0;
-    greys += grey;
-    squares += grey * grey;
-    papers += paper;
-    products += paper * grey;
+/// The first looks of a viewer at all angles of a search. The cells' places from the middle of a tag are computed once
+/// for all middles that are less than an edge away.
+class FirstLooks {
+ public:
+  FirstLooks(const Viewer& viewer, const Spot& spot, std::span<const Eigen::Matrix2d> rotations)
+      : means_(viewer.means()), steps_(rotations.size() * first_look) {
+    const std::span<const Cell> first = viewer.first_cells();
+    for (const std::span<float> weights : {std::span<float>(of_a_glance_), std::span<float>(of_a_first_look_)}) {
+      std::array<float, 2> count{};  // of ink, of paper
+      for (const Cell& cell : first.first(weights.size())) count[cell.border ? 1 : 0] += 1.0F;
+      for (std::size_t k = 0; k < weights.size(); ++k)
+        weights[k] = first[k].border ? 1.0F / count[1] : -1.0F / count[0];
+    }
+    auto step = steps_.begin();
+    for (const Eigen::Matrix2d& rotation : rotations)
+      for (const Cell& cell : first) {
+        const Eigen::Vector2d place = viewer.module() * spot.px_per_metre * rotation * cell.place;
+        *step = {static_cast<int>(std::lround(place.x())), static_cast<int>(std::lround(place.y()))};
+        farthest_ = std::max({farthest_, std::abs(step->u), std::abs(step->v)});
+        ++step;
+      }
   }
-  const double spread = (n * squares - greys * greys) * (n * papers - papers * papers);
-  return spread > 0.0 ? (n * products - papers * greys) / std::sqrt(spread) : 0.0;
-}
+  /// Whether all cells that are looked at are shown.
+  bool fit(const Frame& frame, int u, int v) const {
+    const int reach = farthest_ + means_.reach();
+    return u >= reach && v >= reach && u < frame.width - reach && v < frame.height - reach;
+  }
+  /// Whether the paper of what could be a tag there is bright enough. They have to fit.
+  bool show_contrast(int u, int v, std::size_t angle) const {
+    const Step* step = &steps_[angle * first_look];
+    const auto contrast = [&](const auto& weights) {
+      float sum = 0.0F;
+      for (std::size_t k = 0; k < weights.size(); ++k)
+        sum += weights[k] * means_.mean_inside(u + step[k].u, v + step[k].v);
+      return sum;
+    };
+    return contrast(of_a_glance_) >= 0.5F * least_contrast && contrast(of_a_first_look_) >= least_contrast;
+  }
+
+ private:
+  struct Step {
+    int u, v;
+  };
+  const SquareMeans& means_;
+  std::array<float, glance> of_a_glance_{};
+  std::array<float, first_look> of_a_first_look_{};
+  std::vector<Step> steps_;  // by angle, then cell [px]
+  int farthest_ = 0;
+};
 
 /// As it lies where a tag that is turned by a quarter to the left has it upright.
 TagPattern turned(const TagPattern& pattern) {
@@ -270,11 +337,39 @@ struct Guess {
 
 constexpr double quarter = 0.5 * std::numbers::pi;
 
-using Turns = std::array<TagPattern, 4>;
+/// A tag as a view would show it without noise.
+struct Expected {
+  TagPattern pattern;
+  double papers;       // in all that is looked at
+  CellValues paper{};  // 1, else 0
 
-Turns turns_of(const TagPattern& tag) {
+  Expected(const TagPattern& tag, const Viewer& viewer) : pattern(tag), papers(viewer.papers_of(tag)) {
+    for (std::size_t k = 0; k < cells; ++k) paper[k] = tag[k] ? 1.0F : 0.0F;
+  }
+};
+
+/// The correlation of what is shown with a tag.
+double correlation(const View& view, const Expected& tag) {
+  constexpr std::size_t lanes = 4;  // sums that do not wait for each other
+  static_assert(cells % lanes == 0);
+  std::array<float, lanes> products{};
+  for (std::size_t k = 0; k < cells; k += lanes)
+    for (std::size_t lane = 0; lane < lanes; ++lane) products[lane] += view.deviation[k + lane] * tag.paper[k + lane];
+  double papers = tag.papers;
+  if (view.cut) {
+    papers = 0.0;
+    for (std::size_t k = 0; k < cells; ++k) papers += view.shown[k] ? tag.paper[k] : 0.0F;
+  }
+  const double spread = view.spread * papers * (1.0 - papers / view.count);
+  const double product = (products[0] + products[1]) + (products[2] + products[3]);
+  return spread > 0.0 ? product / std::sqrt(spread) : 0.0;
+}
+
+using Turns = std::array<Expected, 4>;
+
+Turns turns_of(const TagPattern& tag, const Viewer& viewer) {
   const TagPattern once = turned(tag), twice = turned(once);
-  return {tag, once, twice, turned(twice)};
+  return {Expected(tag, viewer), Expected(once, viewer), Expected(twice, viewer), Expected(turned(twice), viewer)};
 }
 
 /// Where one of the tags that are turned in `tags` may be, of which the border hides a part, or, if `covered`,
@@ -291,24 +386,42 @@ std::vector<std::pair<std::size_t, Guess>> guesses_of(const Frame& frame, const 
   for (int angle = 0; angle < all_angles; ++angle)
     rotations.push_back(Eigen::Rotation2Dd(quarter * angle / angles).toRotationMatrix());
   std::map<std::array<long, 3>, Guess> best;
-  for (double v = part.top - outside; v < part.top + part.height + outside && !stop.stop_requested(); v += step)
-    for (double u = part.left - outside; u < part.left + part.width + outside; u += step) {
-      if (!covered && std::min({u, v, frame.width - 1.0 - u, frame.height - 1.0 - v}) > inside) {
-        u = std::max(u, frame.width - 1.0 - inside - step);  // on to the other side
-        continue;
-      }
-      if (covered && viewer.is_plain({u, v}, edge)) continue;
-      const auto spot = spot_at(calibration, {u, v});
-      for (int angle = 0; spot && angle < all_angles; ++angle) {
-        const auto view = viewer.view(*spot, rotations[static_cast<std::size_t>(angle)]);
-        for (std::size_t i = 0; view && i < tags.size(); ++i)
-          for (std::size_t turn = 0; turn < 4; ++turn) {
-            const double like = correlation(*view, tags[i][turn]);
-            if (like < least_of_a_guess) continue;
-            Guess& guess = best[{static_cast<long>(i), std::lround(2.0 * u / edge), std::lround(2.0 * v / edge)}];
-            if (like > guess.correlation) guess = {{u, v}, quarter * angle / angles, turn, like};
-          }
-      }
+  const auto look_at = [&](int u, int v, const FirstLooks* first) {
+    std::optional<Spot> spot;
+    for (std::size_t angle = 0; angle < rotations.size(); ++angle) {
+      if (first && !first->show_contrast(u, v, angle)) continue;
+      if (!spot) spot = spot_at(calibration, Eigen::Vector2d(u, v));
+      if (!spot) return;
+      const auto view = viewer.view(*spot, rotations[angle]);
+      for (std::size_t i = 0; view && i < tags.size(); ++i)
+        for (std::size_t turn = 0; turn < 4; ++turn) {
+          const double like = correlation(*view, tags[i][turn]);
+          if (like < least_of_a_guess) continue;
+          Guess& guess = best[{static_cast<long>(i), std::lround(2.0 * u / edge), std::lround(2.0 * v / edge)}];
+          if (like > guess.correlation)
+            guess = {Eigen::Vector2d(u, v), quarter * static_cast<double>(angle) / angles, turn, like};
+        }
+    }
+  };
+  const auto inner = [&](int u, int v) {
+    return std::min({1.0 * u, 1.0 * v, frame.width - 1.0 - u, frame.height - 1.0 - v}) > inside;
+  };
+  const auto column = [&](int k) { return static_cast<int>(std::lround(part.left - outside + k * step)); };
+  const auto row = [&](int k) { return static_cast<int>(std::lround(part.top - outside + k * step)); };
+  const int columns = static_cast<int>((part.width + 2.0 * outside) / step) + 1;
+  const int rows = static_cast<int>((part.height + 2.0 * outside) / step) + 1;
+  const int square = static_cast<int>(edge / step);
+  for (int top = 0; top < rows && !stop.stop_requested(); top += square)
+    for (int left = 0; left < columns; left += square) {
+      const auto middle = spot_at(calibration, Eigen::Vector2d(column(left + square / 2), row(top + square / 2)));
+      std::optional<FirstLooks> first;
+      for (int v = top; v < std::min(top + square, rows); ++v)
+        for (int u = left; u < std::min(left + square, columns); ++u) {
+          const int x = column(u), y = row(v);
+          if (covered ? viewer.is_plain(Eigen::Vector2d(x, y), edge) : inner(x, y)) continue;
+          if (!first && middle) first.emplace(viewer, *middle, rotations);
+          look_at(x, y, first && first->fit(frame, x, y) ? &*first : nullptr);
+        }
     }
   std::vector<std::pair<std::size_t, Guess>> all;
   all.reserve(best.size());
@@ -317,7 +430,7 @@ std::vector<std::pair<std::size_t, Guess>> guesses_of(const Frame& frame, const 
 }
 
 /// Moves and turns a guess by smaller and smaller steps to where it is most like the tag.
-void improve(Guess& guess, const Calibration& calibration, const Viewer& viewer, double step, const TagPattern& tag) {
+void improve(Guess& guess, const Calibration& calibration, const Viewer& viewer, double step, const Expected& tag) {
   constexpr double first_turn = 0.06;  // [rad]
   for (double part = 1.0; part > 0.05; part *= 0.5) {
     const double move = part * step, turn = part * first_turn;
@@ -347,16 +460,17 @@ std::vector<std::optional<core::Pose>> find(const Frame& frame, const Calibratio
   if (tags.empty() || edge < modules) return found;
   const std::vector<TagPattern> all = tag_patterns();
   std::vector<Turns> wanted;
-  for (const int tag : tags) wanted.push_back(turns_of(all.at(static_cast<std::size_t>(tag))));
   const Viewer viewer(frame, calibration, covered);
+  for (const int tag : tags) wanted.push_back(turns_of(all.at(static_cast<std::size_t>(tag)), viewer));
   std::vector<double> best(tags.size(), covered ? least_of_a_half : least_correlation);
   for (auto& [i, guess] : guesses_of(frame, calibration, viewer, step, edge, wanted, covered, part, stop)) {
     if (stop.stop_requested()) break;
-    const TagPattern& tag = wanted[i][guess.turn];
+    const Expected& tag = wanted[i][guess.turn];
     improve(guess, calibration, viewer, step, tag);
     const auto spot = spot_at(calibration, guess.pixel);
     const auto view = spot ? viewer.view(*spot, guess.theta) : std::nullopt;
-    if (!view || guess.correlation < best[i] || !(covered || view->cut) || !reads_only_as(*view, tag, all)) continue;
+    if (!view || guess.correlation < best[i] || !(covered || view->cut) || !reads_only_as(*view, tag.pattern, all))
+      continue;
     best[i] = guess.correlation;
     const double theta = guess.theta + quarter * static_cast<double>(guess.turn);
     found[i] = core::Pose{spot->world.x(), spot->world.y(), core::wrap_angle(theta)};
