@@ -8,12 +8,15 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "app/calibration/calibration_file.h"
 #include "app/runs/find_run.h"
 #include "app/runs/run_folder.h"
 #include "app/runs/verify.h"
+#include "app/session/experiment_cameras.h"
 #include "operator.h"
 #include "tests/app/film_copy.h"
 #include "tests/places.h"
+#include "tests/vision/half_as_fine.h"
 #include "ui/base/settings.h"
 #include "ui/main/result_controller.h"
 #include "ui/status/alert_strip.h"
@@ -95,8 +98,14 @@ TEST_F(Keep, ARunThatAnotherOneEndsIsCompletedToo) {
 }
 
 TEST_F(Keep, ARunWithACameraHasItsFilmIfThatIsWanted) {
-  const auto experiment =
-      app::load_experiment(skein::test::in_source("resources/experiments/platoon-loopback.toml"), {"duration=2"});
+  const std::string file = skein::test::in_source("resources/experiments/platoon-loopback.toml");
+  const std::string camera = directory_.filePath(QStringLiteral("camera.toml")).toStdString();
+  const auto finer = app::load_experiment(file);
+  ASSERT_TRUE(finer);
+  const auto calibration = app::camera_calibration(*finer);
+  ASSERT_TRUE(calibration);
+  ASSERT_TRUE(app::save_calibration(skein::test::half_as_fine(*calibration), camera));
+  const auto experiment = app::load_experiment(file, {"duration=2", "camera.calibration=" + camera});
   ASSERT_TRUE(experiment);
   EXPECT_FALSE(find<QAction>("keep_films")->isChecked()) << "it is large";
   EXPECT_TRUE(find<QAction>("keep_films")->toolTip().contains(QStringLiteral("GB a minute")));

@@ -17,6 +17,7 @@
 #include "tests/app/film_copy.h"
 #include "tests/app/folder.h"
 #include "tests/app/rows.h"
+#include "tests/vision/half_as_fine.h"
 #include "vision/sources/open_source.h"
 #include "vision/tracker/tracker.h"
 
@@ -33,15 +34,11 @@ Experiment short_film_run(const std::vector<std::string>& more = {}) {
   return *experiment;
 }
 
-/// The file of the calibration that a synthetic camera of such a run has, with half as many pixels a side: what a film
-/// costs is the coding of its pixels' noise.
+/// The file of the calibration that a synthetic camera of such a run has, with half as many pixels a side.
 std::string half_as_fine(const test::Folder& folder, const std::vector<std::string>& sets, std::size_t number) {
-  auto camera = camera_calibration(short_film_run(sets), number).value();
-  camera.width /= 2, camera.height /= 2;
-  camera.fx *= 0.5, camera.fy *= 0.5;
-  camera.cx = 0.5 * camera.cx - 0.25, camera.cy = 0.5 * camera.cy - 0.25;  // pixels' centres are whole numbers
   std::string path = folder / ("camera-" + std::to_string(number) + ".toml");
-  EXPECT_TRUE(save_calibration(camera, path));
+  const auto camera = camera_calibration(short_film_run(sets), number);
+  EXPECT_TRUE(save_calibration(test::half_as_fine(camera.value()), path));
   return path;
 }
 
