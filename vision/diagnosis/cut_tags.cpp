@@ -253,8 +253,8 @@ class Viewer {
   Cells cells_;
 };
 
-/// The first looks of a viewer at all angles of a search. The cells' places from the middle of a tag are computed once
-/// for all middles that are less than an edge away.
+/// What a viewer looks at first, at all angles of a search. Where the cells are around the middle of a tag is computed
+/// once for all middles that are less than an edge away.
 class FirstLooks {
  public:
   FirstLooks(const Viewer& viewer, const Spot& spot, std::span<const Eigen::Matrix2d> rotations)
@@ -457,7 +457,7 @@ std::vector<std::optional<core::Pose>> find(const Frame& frame, const Calibratio
                                             const std::stop_token& stop) {
   std::vector<std::optional<core::Pose>> found(tags.size());
   const double edge = tag_edge_px(calibration), step = std::max(1.0, edge / (2.0 * modules));  // half a module
-  if (tags.empty() || edge < modules) return found;
+  if (tags.empty() || !(edge >= modules && edge < frame.width + frame.height)) return found;
   const std::vector<TagPattern> all = tag_patterns();
   std::vector<Turns> wanted;
   const Viewer viewer(frame, calibration, covered);
