@@ -154,24 +154,30 @@ int main(int count, char** words) {
   std::puts("ready");
   std::fflush(stdout);
 
+  const auto reads = [registers](guint32 address) {
+    guint32 value = 0;
+    arv_fake_camera_read_register(registers, address, &value);
+    return value;
+  };
   double next_pulse = monotonic_now();
+  bool pulsed = false;
   // Exits when the test that started it dies: otherwise it would keep the port, and the output that ctest waits for.
   while (::getppid() == parent) {
     const guint64 value = GUINT64_TO_BE(own_clock(monotonic_now()));
     arv_fake_camera_write_memory(registers, clock_value, sizeof value, &value);
-    guint32 mode = 0;
-    guint32 source = 0;
-    arv_fake_camera_read_register(registers, ARV_FAKE_CAMERA_REGISTER_TRIGGER_MODE, &mode);
-    arv_fake_camera_read_register(registers, ARV_FAKE_CAMERA_REGISTER_TRIGGER_SOURCE, &source);
+    // Its line, which the software camera does not have: a frame all the same. Before the first one the software camera
+    // looks only every 100 ms whether one is asked for: the pulse waits for that.
+    if (pulsed && reads(ARV_FAKE_CAMERA_REGISTER_TRIGGER_SOFTWARE) == 0) {
+      arv_fake_camera_write_register(registers, ARV_FAKE_CAMERA_REGISTER_TRIGGER_SOURCE, 0);
+      pulsed = false;
+    }
     if (line > 0.0 && monotonic_now() >= next_pulse) {
       next_pulse += 1.0 / line;
-      if (mode == 1 && source == 0) {  // its line, which the software camera does not have: a frame all the same
+      const bool by_line = pulsed || reads(ARV_FAKE_CAMERA_REGISTER_TRIGGER_SOURCE) == 0;
+      if (reads(ARV_FAKE_CAMERA_REGISTER_TRIGGER_MODE) == 1 && by_line) {
         arv_fake_camera_write_register(registers, ARV_FAKE_CAMERA_REGISTER_TRIGGER_SOFTWARE, 1);
         arv_fake_camera_write_register(registers, ARV_FAKE_CAMERA_REGISTER_TRIGGER_SOURCE, 1);
-        guint32 asked = 1;
-        for (const double gives_up = monotonic_now() + 0.02; asked != 0 && monotonic_now() < gives_up; usleep(100))
-          arv_fake_camera_read_register(registers, ARV_FAKE_CAMERA_REGISTER_TRIGGER_SOFTWARE, &asked);
-        arv_fake_camera_write_register(registers, ARV_FAKE_CAMERA_REGISTER_TRIGGER_SOURCE, 0);
+        pulsed = true;
       }
     }
     usleep(50);
