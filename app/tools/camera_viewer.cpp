@@ -13,6 +13,7 @@
 #include <mutex>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <utility>
 
 #include "app/calibration/calibration_file.h"
@@ -79,10 +80,13 @@ class FrameRate {
 /// Says of each tag of a picture whose it is, how large, and why it is not taken for a robot.
 class TagJudge {
  public:
-  TagJudge(const Experiment& experiment, std::optional<vision::Calibration> calibration, bool stills)
+  /// `closed`: nobody waits for reasons any more.
+  TagJudge(const Experiment& experiment, std::optional<vision::Calibration> calibration, bool stills,
+           std::stop_token closed)
       : wanted_(wanted_tags(experiment)),
         calibration_(std::move(calibration)),
         stills_(stills),
+        closed_(std::move(closed)),
         absences_(wanted_.size()) {
     if (calibration_) tracker_.emplace(*calibration_, vision::TrackerOptions{.tags = wanted_});
     for (vision::TagAbsence& absence : absences_) absence.seen(now());
@@ -120,13 +124,13 @@ class TagJudge {
     return tags;
   }
 
-  /// Asks why tags are not taken that were not for a while; of a still it waits for the answer, some seconds at worst,
-  /// and calls `more_is_known` for what is known at once.
+  /// Asks why tags are not taken that were not for a while; what is known at once is told before the rest. Of a still
+  /// it waits for the answer, some seconds at worst, and calls `more_is_known` for what is known at once.
   void explain(const vision::Frame& frame, const std::function<void()>& more_is_known) {
     if (!tracker_) return;
     const double at = now();
-    if (answer_.valid() && answer_.wait_for(std::chrono::seconds(0)) == std::future_status::ready)
-      reasons_ = answer_.get();
+    if (answer_.valid() && answer_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) answer_.get();
+    take_news();
     std::vector<vision::MissingTag> missing;
     for (std::size_t i = 0; i < wanted_.size(); ++i) {
       if (taken_.contains(wanted_[i])) {
@@ -142,12 +146,18 @@ class TagJudge {
         reasons_ = sentences_of(tags, *calibration_);
         more_is_known();
       };
-      reasons_ = sentences_of(vision::diagnose(frame, *calibration_, missing, so_far), *calibration_);
+      reasons_ = sentences_of(vision::diagnose(frame, *calibration_, missing, so_far, closed_), *calibration_);
       return;
     }
     if (answer_.valid() || at < next_question_) return;
     next_question_ = at + between_reasons;
-    answer_ = std::async(std::launch::async, reasons_for, frame, *calibration_, missing);
+    answer_ = std::async(std::launch::async, [this, frame, missing] {
+      const auto tell = [this](const std::vector<vision::TagDiagnosis>& tags) {
+        const std::lock_guard lock(mutex_);
+        news_ = sentences_of(tags, *calibration_);
+      };
+      tell(vision::diagnose(frame, *calibration_, missing, tell, closed_));
+    });
   }
 
  private:
@@ -182,14 +192,15 @@ class TagJudge {
     return sentences;
   }
 
-  static std::map<int, std::string> reasons_for(const vision::Frame& frame, const vision::Calibration& calibration,
-                                                const std::vector<vision::MissingTag>& missing) {
-    return sentences_of(vision::diagnose(frame, calibration, missing), calibration);
+  void take_news() {
+    const std::lock_guard lock(mutex_);
+    if (news_) reasons_ = *std::exchange(news_, {});
   }
 
   const std::vector<int> wanted_;
   const std::optional<vision::Calibration> calibration_;
   const bool stills_;
+  const std::stop_token closed_;
   vision::TagDetector detector_;
   std::optional<vision::TagTracker> tracker_;
   std::vector<vision::Detection> found_;  // in the newest frame
@@ -197,7 +208,9 @@ class TagJudge {
   std::vector<vision::TagAbsence> absences_;
   std::map<int, std::string> reasons_;
   double next_question_ = 0.0;
-  std::future<std::map<int, std::string>> answer_;
+  std::mutex mutex_;                                // of news_
+  std::optional<std::map<int, std::string>> news_;  // of the search that is on
+  std::future<void> answer_;                        // its end; first to be destroyed
 };
 
 }  // namespace
@@ -246,7 +259,7 @@ struct CameraViewer::Work {
                                 fits->height, frame.width, frame.height);
       fits.reset();
     }
-    judge.emplace(experiment, std::move(fits), stills);
+    judge.emplace(experiment, std::move(fits), stills, closed.get_token());
   }
 
   /// One frame; as often as searching takes half of the time.
@@ -278,8 +291,8 @@ struct CameraViewer::Work {
     std::int64_t frames = 0;
     vision::Frame frame;
     for (;;) {
-      changed.wait(lock, [this] { return ends || handed || !wanted.empty(); });
-      if (ends) return;
+      changed.wait(lock, [this] { return closed.stop_requested() || handed || !wanted.empty(); });
+      if (closed.stop_requested()) return;
       const vision::ControlSettings set = std::exchange(wanted, {});
       const std::optional<Picture> picture = std::exchange(handed, {});
       lock.unlock();
@@ -378,15 +391,12 @@ struct CameraViewer::Work {
     return std::exchange(wanted, {});
   }
 
-  bool leaves() const {
-    const std::lock_guard lock(mutex);
-    return ends;
-  }
+  bool leaves() const { return closed.stop_requested(); }
 
   /// false: the viewer has been closed.
   bool rest(double seconds) {
     std::unique_lock lock(mutex);
-    return !changed.wait_for(lock, Seconds(std::clamp(seconds, 0.0, 1.0)), [this] { return ends; });
+    return !changed.wait_for(lock, Seconds(std::clamp(seconds, 0.0, 1.0)), [this] { return closed.stop_requested(); });
   }
 
   void end(const std::string& reason) {
@@ -398,6 +408,7 @@ struct CameraViewer::Work {
 
   const Experiment experiment;
   const WatchedCamera camera;
+  std::stop_source closed;  // requested with the mutex, and `changed` told
   // The thread's:
   std::optional<vision::Calibration> calibration;
   std::optional<TagJudge> judge;
@@ -405,7 +416,7 @@ struct CameraViewer::Work {
   double rests_until = 0.0;
   mutable std::mutex mutex;  // of all that follows
   std::condition_variable changed;
-  bool ends = false, fresh = false;
+  bool fresh = false;
   vision::ControlSettings wanted;
   std::optional<Picture> handed;
   CameraView newest;
@@ -420,7 +431,7 @@ CameraViewer::CameraViewer(const Experiment& experiment, const WatchedCamera& ca
 
 CameraViewer::~CameraViewer() {
   const std::lock_guard lock(work_->mutex);
-  work_->ends = true;
+  work_->closed.request_stop();
   work_->changed.notify_all();
 }
 
