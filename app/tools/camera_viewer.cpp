@@ -209,8 +209,8 @@ class TagJudge {
   std::map<int, std::string> reasons_;
   double next_question_ = 0.0;
   std::mutex mutex_;                                // of news_
-  std::optional<std::map<int, std::string>> news_;  // of the search that is on
-  std::future<void> answer_;                        // its end; first to be destroyed
+  std::optional<std::map<int, std::string>> news_;  // what the search has found and nobody has taken yet
+  std::future<void> answer_;                        // destroyed first: the search uses what stands above
 };
 
 }  // namespace
@@ -291,8 +291,8 @@ struct CameraViewer::Work {
     std::int64_t frames = 0;
     vision::Frame frame;
     for (;;) {
-      changed.wait(lock, [this] { return closed.stop_requested() || handed || !wanted.empty(); });
-      if (closed.stop_requested()) return;
+      changed.wait(lock, [this] { return leaves() || handed || !wanted.empty(); });
+      if (leaves()) return;
       const vision::ControlSettings set = std::exchange(wanted, {});
       const std::optional<Picture> picture = std::exchange(handed, {});
       lock.unlock();
@@ -396,7 +396,7 @@ struct CameraViewer::Work {
   /// false: the viewer has been closed.
   bool rest(double seconds) {
     std::unique_lock lock(mutex);
-    return !changed.wait_for(lock, Seconds(std::clamp(seconds, 0.0, 1.0)), [this] { return closed.stop_requested(); });
+    return !changed.wait_for(lock, Seconds(std::clamp(seconds, 0.0, 1.0)), [this] { return leaves(); });
   }
 
   void end(const std::string& reason) {
@@ -408,7 +408,7 @@ struct CameraViewer::Work {
 
   const Experiment experiment;
   const WatchedCamera camera;
-  std::stop_source closed;  // requested with the mutex, and `changed` told
+  std::stop_source closed;  // stopped under the mutex; then `changed` is notified
   // The thread's:
   std::optional<vision::Calibration> calibration;
   std::optional<TagJudge> judge;
